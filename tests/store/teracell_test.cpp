@@ -69,10 +69,6 @@ void expect_box(Opened& o, int level, int type, bool mapped) {
   REQUIRE(found == expected);
 }
 
-void write_bytes(const std::filesystem::path& path, const Bytes& bytes) {
-  std::ofstream(path, std::ios::binary).write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-}
-
 // What a call says that must fail.
 std::string message_of(int status, int expected) {
   REQUIRE(status == expected);

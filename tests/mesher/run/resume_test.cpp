@@ -27,8 +27,7 @@ Scene scene_to_kill(const TempFolder& folder) {
 }
 
 MeshOptions options_to_kill() {
-  MeshOptions options;
-  options.axis = 2;
+  MeshOptions options{.axis = 2};
   options.chunk_rays = 16;  // 256 tile groups
   options.checkpoint_seconds = 0;
   return options;

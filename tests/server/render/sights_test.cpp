@@ -165,9 +165,7 @@ TEST_CASE("the windows of a picture, side by side, are the picture; threads make
 }
 
 TEST_CASE("nothing in sight, and an eye inside a body", "[render]") {
-  const TempFolder folder;
-  store_cells(folder / "g", metadata_of(cube_grid(0, 1, 8), 0, 2), std::vector<Label>(512, 1));
-  const GridReader reader(folder / "g");
+  const GridReader reader = reader_of(metadata_of(cube_grid(0, 1, 8), 0, 2), std::vector<Label>(512, 1));
   for (const auto& [words, label] : std::vector<std::pair<std::map<std::string, std::string, std::less<>>, uint32_t>>{
            {{{"size", "5,4"}, {"from", "0.5,0.5,0.5"}, {"at", "0.7,0.5,0.5"}}, 2}, {{{"size", "5,4"}, {"labels", ""}}, 0}}) {
     const RenderOptions options = options_of(reader, words);

@@ -73,7 +73,7 @@ TEST_CASE("Names, units and their sums are bounded in files, and in what is writ
   const std::string longest(256, 'n'), longer = longest + 'n';
   const auto refused = [&](const std::function<void(Metadata&)>& lie, const std::string& because) {
     REQUIRE_THROWS_WITH(reader_of(forge(file, {.metadata = lie})), Catch::StartsWith("memory.tcell: metadata: ") && Catch::Contains(because));
-    Metadata meta = metadata_of(cubic(3, 3, 3), 2, 3);
+    Metadata meta = metadata_of(unit_grid({3, 3, 3}), 2, 3);
     lie(meta);
     const TempFolder folder;
     REQUIRE_THROWS_WITH(GridWriter(folder / "g.tcell", meta), Catch::Contains(because));

@@ -56,12 +56,6 @@ std::vector<std::array<std::array<float, 3>, 4>> read_stl(const fs::path& path) 
   return out;
 }
 
-Grid unit_grid(const Index3& n) {
-  Grid grid;
-  for (int d = 0; d < 3; ++d) grid.axis[d] = Axis::uniform(0, 1, 0, n[d], 0.5);
-  return grid;
-}
-
 // Half of the cells are background.
 std::vector<Label> noise(const Index3& n, uint64_t seed) {
   std::mt19937_64 random(seed);
