@@ -3,7 +3,6 @@
 // A small sound file gets both channels, with a frame for each chunk. The input says which of the frames to change, and how: those of chunks,
 // of pages and of lists.
 #include <fuzzer/FuzzedDataProvider.h>
-#include <unistd.h>
 
 #include <fmt/format.h>
 
@@ -25,13 +24,8 @@ struct Sound {
 const Sound& sound() {
   static const Sound made = [] {
     std::mt19937_64 random(1);
-    const auto axis = [](int64_t n) { return Axis::uniform(0, 1, 0, n, 0.5); };
-    const auto path = std::filesystem::temp_directory_path() / ("boundary_fuzz." + std::to_string(::getpid()));
-    const Metadata meta = with_tiny_chunks(metadata_of({{axis(5), axis(3), axis(9)}}, 2, 3));
-    store_cells(path, meta, random_cells(random, {5, 3, 9}, 3));
-    Sound out{file_bytes(path), meta};
-    std::filesystem::remove(path);
-    return out;
+    const Metadata meta = with_tiny_chunks(metadata_of(unit_grid({5, 3, 9}), 2, 3));
+    return Sound{stored_cells(meta, random_cells(random, {5, 3, 9}, 3)), meta};
   }();
   return made;
 }

@@ -4,7 +4,6 @@
 #include <array>
 
 #include <fuzzer/FuzzedDataProvider.h>
-#include <unistd.h>
 
 #include "tests/fuzz/read_file.hpp"
 #include "tests/support/forged.hpp"
@@ -16,20 +15,16 @@ using namespace testing;
 
 Bytes stored_file(const Grid& grid, int ray_axis, uint32_t labels, bool tiny_chunks) {
   std::mt19937_64 random(labels);
-  const auto path = std::filesystem::temp_directory_path() / ("forged_fuzz." + std::to_string(::getpid()));
   const Metadata meta = metadata_of(grid, ray_axis, labels);
-  store_cells(path, tiny_chunks ? with_tiny_chunks(meta) : meta, random_cells(random, grid.cells(), labels));
-  Bytes bytes = file_bytes(path);
-  std::filesystem::remove(path);
-  return bytes;
+  return stored_cells(tiny_chunks ? with_tiny_chunks(meta) : meta, random_cells(random, grid.cells(), labels));
 }
 
 // Made once: many chunks, segments and pages; a graded axis; one chunk per level; a single cell.
 const std::array<Bytes, 4>& sound_files() {
   const auto axis = [](int64_t n) { return Axis::uniform(0, 1, 0, n, 0.5); };
-  static const std::array<Bytes, 4> files = {
-      stored_file({{axis(9), axis(6), axis(11)}}, 1, 3, true), stored_file({{axis(5), Axis::graded({0, 1, 2, 4}, 0.5), axis(9)}}, 2, 5, true),
-      stored_file({{axis(20), axis(17), axis(40)}}, 0, 4, false), stored_file({{axis(1), axis(1), axis(1)}}, 2, 1, false)};
+  static const std::array<Bytes, 4> files = {stored_file(unit_grid({9, 6, 11}), 1, 3, true),
+                                             stored_file({{axis(5), Axis::graded({0, 1, 2, 4}, 0.5), axis(9)}}, 2, 5, true),
+                                             stored_file(unit_grid({20, 17, 40}), 0, 4, false), stored_file(unit_grid({1, 1, 1}), 2, 1, false)};
   return files;
 }
 

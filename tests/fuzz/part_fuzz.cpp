@@ -21,10 +21,6 @@ using namespace testing;
 constexpr auto kSilent = [](const char*, double, double) {};
 const std::atomic<bool> kGoOn{false};
 
-void put_file(const std::filesystem::path& path, const Bytes& bytes) {
-  std::ofstream(path, std::ios::binary).write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-}
-
 // A tetrahedron that lacks a facet, and a leaf thinner than a cell, so that there are holes, warnings and lost stretches. The grid has index
 // pages that lie in one part and others that lie in several.
 class Sound {
@@ -37,12 +33,7 @@ class Sound {
         R"({"grid": {"min": [-1, -1, -1], "max": [12, 12, 7], "cells": [130, 130, 11]}, "materials": {"air": {}, "tin": {}, "wax": {}}, "background": "air",
             "bodies": [{"name": "open", "mesh": "open.obj", "material": "tin"}, {"name": "leaf", "mesh": "leaf.obj", "material": "wax", "thin": "keep"}]})",
         folder_);
-    MeshOptions options;
-    options.axis = 2;
-    options.chunk_rays = 4;
-    options.thin = options.links = true;
-    options.fractions = Subdivision{2, 2, 4};
-    options.threads = 1;
+    MeshOptions options{.axis = 2, .threads = 1, .thin = true, .fractions = Subdivision{2, 2, 4}, .links = true, .chunk_rays = 4};
     for (uint32_t i = 0; i < 3; ++i) {
       options.shard = Shard{i, 3};
       mesh(scene, output(), options, kSilent, kGoOn);
@@ -57,7 +48,7 @@ class Sound {
   std::filesystem::path output() const { return folder_ / "g.tcell"; }
   void verify_and_merge(size_t number, const Bytes& part) const {
     std::vector<std::filesystem::path> paths = paths_;
-    put_file(paths[number] = folder_ / "forged", part);
+    write_bytes(paths[number] = folder_ / "forged", part);
     try {
       verify(PartReader(paths[number]));
     } catch (const Error&) {

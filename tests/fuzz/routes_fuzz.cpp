@@ -20,11 +20,7 @@ Service& service() {
     const Grid grid{{Axis::uniform(0, 1, 0, 19, 0.5), Axis::graded({0, 1, 3, 4, 8, 9, 12}, 0.5), Axis::uniform(-1, 0.5, 2, 9, 0)}};
     std::mt19937_64 random(1);
     store_cells(folder / "g.tcell", with_tiny_chunks(metadata_of(grid, 1, 4)), random_cells(random, grid.cells(), 4));
-    ServiceOptions options;
-    options.named = {folder / "g.tcell"};
-    options.cache_bytes = 1 << 20;
-    options.max_pixels = 1000;
-    auto* made = new Service(options);
+    auto* made = new Service({.named = {folder / "g.tcell"}, .cache_bytes = 1 << 20, .max_pixels = 1000});
     made->grids().find("g");
     std::atexit([] { std::filesystem::remove_all(std::filesystem::temp_directory_path() / ("routes_fuzz." + std::to_string(getpid()))); });
     return made;

@@ -29,25 +29,15 @@ ServiceOptions two_grids() {
   std::mt19937_64 random(1);
   const Grid grid{{Axis::uniform(0, 1, 0, 19, 0.5), Axis::graded({0, 1, 3, 4, 8, 9, 12}, 0.5), Axis::uniform(-1, 0.5, 2, 9, 0)}};
   store_cells(folder() / "g.tcell", with_tiny_chunks(metadata_of(grid, 1, 4)), random_cells(random, grid.cells(), 4));
-  const Axis one = Axis::uniform(0, 1, 0, 1, 0.5);
-  Metadata meta = metadata_of({{one, one, Axis::uniform(0, 1, 0, 900, 0.5)}}, 2, 2);
+  Metadata meta = metadata_of(unit_grid({1, 1, 900}), 2, 2);
   meta.materials[1].name = std::string(256, '"');
   std::vector<Label> cells(900);
   for (size_t i = 0; i < cells.size(); ++i) cells[i] = i % 2;
   store_cells(folder() / "l.tcell", meta, cells);
-  ServiceOptions options;
-  options.named = {folder()};
-  options.cache_bytes = 1 << 20;
-  options.max_pixels = 1000;
-  return options;
+  return {.named = {folder()}, .cache_bytes = 1 << 20, .max_pixels = 1000};
 }
 
-ListenerOptions listener_options() {
-  ListenerOptions o;
-  o.allowed_origins = {"https://viewer.example"};
-  o.base_path = "/b";
-  return o;
-}
+ListenerOptions listener_options() { return {.base_path = "/b", .allowed_origins = {"https://viewer.example"}}; }
 
 struct Server {
   Service service{two_grids()};

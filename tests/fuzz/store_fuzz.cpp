@@ -5,8 +5,6 @@
 // of any other input selects a structure to hand it to, or edits of a sound file's plain bodies under right checksums.
 #include <cstdlib>
 
-#include <unistd.h>
-
 #include "store/format/metadata_json.hpp"
 #include "store/runs/chunk_codec.hpp"
 #include "tests/fuzz/read_file.hpp"
@@ -22,12 +20,9 @@ using namespace testing;
 const Bytes& sound_file() {
   static const Bytes file = [] {
     std::mt19937_64 random(1);
-    const auto axis = [](int64_t n) { return Axis::uniform(0, 1, 0, n, 0.5); };
-    const auto path = std::filesystem::temp_directory_path() / ("store_fuzz." + std::to_string(::getpid()));
-    store_cells(path, with_tiny_chunks(metadata_of({{axis(5), Axis::graded({0, 1, 2, 4}, 0.5), axis(9)}}, 2, 3)), random_cells(random, {5, 3, 9}, 3));
-    const Bytes bytes = file_bytes(path);
-    std::filesystem::remove(path);
-    return bytes;
+    Grid grid = unit_grid({5, 3, 9});
+    grid.axis[1] = Axis::graded({0, 1, 2, 4}, 0.5);
+    return stored_cells(with_tiny_chunks(metadata_of(grid, 2, 3)), random_cells(random, {5, 3, 9}, 3));
   }();
   return file;
 }

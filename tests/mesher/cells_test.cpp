@@ -1,11 +1,6 @@
 // The cells themselves: meshed scenes against rational arithmetic, analytic solids and each other.
-#include <algorithm>
-
-#include <catch2/catch.hpp>
-
-#include <fmt/format.h>
-
 #include "store/read/stats.hpp"
+#include "tests/support/cube_grid.hpp"
 #include "tests/support/every_way.hpp"
 #include "tests/support/ties.hpp"
 
@@ -15,10 +10,6 @@ namespace {
 using namespace testing;
 using oracle::Body;
 using oracle::Rule;
-
-Grid uniform_grid(double min, double step, int64_t nx, int64_t ny, int64_t nz) {
-  return {{Axis::uniform(min, step, 0, nx, 0.5), Axis::uniform(min, step, 0, ny, 0.5), Axis::uniform(min, step, 0, nz, 0.5)}};
-}
 
 // Of which cells each body holds the sample point, whoever owns them: 1 or 0.
 std::vector<std::vector<uint32_t>> held(const std::vector<Body>& bodies, const Grid& grid) {
@@ -71,9 +62,7 @@ void expect_exact(const std::vector<Body>& bodies, const Grid& grid) {
   const std::vector<uint32_t> expected = oracle::materials(bodies, grid);
   const std::vector<std::vector<uint32_t>> in_body = held(bodies, grid);
   const auto overlaps = overlaps_of(bodies, in_body, grid);
-  MeshOptions options;
-  options.threads = 1;
-  for_axes(scene_of(folder, bodies, grid), options, [&](const GridReader& reader, const nlohmann::ordered_json& report) {
+  for_axes(scene_of(folder, bodies, grid), {.threads = 1}, [&](const GridReader& reader, const nlohmann::ordered_json& report) {
     for (size_t b = 0; b < bodies.size(); ++b)
       REQUIRE(report["bodies"][b]["cells"].get<int64_t>() + report["bodies"][b].value("covered_cells", int64_t{0}) ==
               std::ranges::count(in_body[b], 1u));
@@ -88,7 +77,7 @@ void expect_exact(const std::vector<Body>& bodies, const Grid& grid) {
 }
 
 TEST_CASE("A box owns its lower faces and not its upper ones, whatever the ray axis") {
-  const Grid grid = uniform_grid(0, 1, 6, 6, 6);
+  const Grid grid = cube_grid_of(0, 1, 6);
   const std::vector<Body> bodies = {{shapes::box({1.5, 1.5, 1.5}, {3.5, 3.5, 3.5})}};
   expect_exact(bodies, grid);
   const auto cells = oracle::materials(bodies, grid);
@@ -100,8 +89,8 @@ TEST_CASE("Six tetrahedra around a diagonal fill their box: every ray meets edge
   std::vector<Body> bodies;
   uint32_t material = 1;
   for (const auto& t : shapes::box_in_tetrahedra({0.5, 0.5, 0.5}, {8.5, 8.5, 8.5})) bodies.push_back({t, Rule::kNonzero, material++});
-  expect_exact(bodies, uniform_grid(0, 1, 9, 9, 9));
-  expect_exact(bodies, uniform_grid(0, 0.5, 18, 18, 18));
+  expect_exact(bodies, cube_grid_of(0, 1, 9));
+  expect_exact(bodies, cube_grid_of(0, 0.5, 18));
 }
 
 TEST_CASE("Random scenes full of exact ties equal rational arithmetic along every axis") {
@@ -113,7 +102,7 @@ TEST_CASE("Random scenes full of exact ties equal rational arithmetic along ever
 }
 
 TEST_CASE("Decimal lattices, whose ties miss by a rounding, equal rational arithmetic") {
-  for_seeds(100, 12, [](auto& random) { expect_exact(shapes::decimal_bodies(random, 3), uniform_grid(0, 1.1 / 11, 11, 11, 11)); });
+  for_seeds(100, 12, [](auto& random) { expect_exact(shapes::decimal_bodies(random, 3), cube_grid_of(0, 1.1 / 11, 11)); });
 }
 
 TEST_CASE("Needles and near-vertical facets, where doubles lose the slope, equal rational arithmetic") {
@@ -123,14 +112,14 @@ TEST_CASE("Needles and near-vertical facets, where doubles lose the slope, equal
       bodies.push_back({shapes::needle(random), Rule::kNonzero, material});
       bodies.push_back({shapes::sheet(random), Rule::kNonzero, 5});
     }
-    expect_exact(bodies, uniform_grid(0, 1, 10, 10, 10));
+    expect_exact(bodies, cube_grid_of(0, 1, 10));
   });
 }
 
 TEST_CASE("A grid that cuts through a body, or lies wholly inside it, is the window of the larger grid") {
   const std::vector<Body> bodies = {{shapes::sphere({5, 5, 5}, 4, 2, 0.5)}, {shapes::box({-20, -20, -20}, {20, 20, 5}), Rule::kNonzero, 2, -1}};
-  expect_exact(bodies, uniform_grid(3, 0.5, 7, 9, 5));
-  expect_exact(bodies, uniform_grid(4.5, 0.25, 4, 4, 4));
+  expect_exact(bodies, uniform_grid(3, 0.5, {7, 9, 5}));
+  expect_exact(bodies, cube_grid_of(4.5, 0.25, 4));
 }
 
 TEST_CASE("Borders of tiles, of tile groups and of chunks along the rays leave no trace") {
@@ -140,27 +129,25 @@ TEST_CASE("Borders of tiles, of tile groups and of chunks along the rays leave n
                              {shapes::sphere({size / 2, 34, 4}, 30, 2, 0.25), Rule::kNonzero, 2},
                              {shapes::box({63.5, 1.5, 0.5}, {64.5, 66.5, 8.5}), Rule::kNonzero, 3}};
   };
-  expect_exact(lattice(300, 130), uniform_grid(0, 1, 130, 67, 9));
-  expect_exact(lattice(301, 262), uniform_grid(0, 1, 262, 65, 5));
+  expect_exact(lattice(300, 130), uniform_grid(0, 1, {130, 67, 9}));
+  expect_exact(lattice(301, 262), uniform_grid(0, 1, {262, 65, 5}));
 }
 
 TEST_CASE("Far from the origin, where neighbouring centres share most of their digits, cells equal rational arithmetic") {
   for (const double far : {1e6, -3e9, 1e12}) {
     auto facets =
         shapes::join({shapes::sphere({4, 4, 4}, 3, 2), shapes::tetrahedron({0.5, 0.5, 0.5}, {7.5, 1.5, 2.5}, {1.5, 6.5, 3.5}, {2.5, 2.5, 7.5})});
-    expect_exact({{shapes::translate(facets, {far, far, far})}}, uniform_grid(far, 0.25, 32, 32, 32));
+    expect_exact({{shapes::translate(facets, {far, far, far})}}, cube_grid_of(far, 0.25, 32));
   }
 }
 
 TEST_CASE("Volumes of spheres and tori converge to the analytic ones") {
-  const TempFolder folder;
   for (const auto& [facets, exact] :
        {std::pair{shapes::sphere({0, 0, 0}, 1, 6), 4.18879020478639}, {shapes::torus({0, 0, 0}, 0.7, 0.3, 400, 200), 1.24357}}) {
     double last = 1;
     for (const int n : {32, 128}) {
-      const Grid grid = uniform_grid(-1.1, 2.2 / n, n, n, n);
-      mesh_quietly(scene_of(folder, {{facets}}, grid), folder / "g.tcell");
-      const GridReader reader(folder / "g.tcell");
+      const Grid grid = cube_grid_of(-1.1, 2.2 / n, n);
+      const GridReader reader = meshed_reader({{facets}}, grid);
       const double error = std::abs(read_stats(reader, grid.box(0))[1].volume / exact - 1);
       INFO(n << " cells, volume off by " << error);
       REQUIRE(error < 1.0 / n);
@@ -173,7 +160,7 @@ TEST_CASE("Volumes of spheres and tori converge to the analytic ones") {
 TEST_CASE("The file's bytes do not depend on the number of threads", "[threads]") {
   const TempFolder folder;
   const std::vector<Body> bodies = {{shapes::sphere({100, 100, 100}, 90, 4)}, {shapes::torus({100, 100, 120}, 60, 20, 40, 30), Rule::kNonzero, 2}};
-  const Scene scene = scene_of(folder, bodies, uniform_grid(0, 0.37, 540, 540, 540));
+  const Scene scene = scene_of(folder, bodies, cube_grid_of(0, 0.37, 540));
   MeshOptions options;
   std::string first;
   for (const int threads : {1, 2, 5}) {
@@ -189,7 +176,7 @@ TEST_CASE("Sheets overlap nothing, and neither do cells that a body only keeps")
   const std::vector<Body> bodies = {{shapes::box({1, 1, 1}, {7, 7, 7})},
                                     {shapes::box({2, 2, 3.6}, {6, 6, 3.9}), Rule::kNonzero, 2},
                                     {shapes::box({0.5, 0.5, 0.5}, {7.5, 7.5, 7.5}), Rule::kNonzero, 3, 0, true}};
-  Scene scene = scene_of(folder, bodies, uniform_grid(0, 1, 8, 8, 8));
+  Scene scene = scene_of(folder, bodies, cube_grid_of(0, 1, 8));
   scene.bodies[1].thin = Thin::kKeep;
   const auto report = mesh_quietly(scene, folder / "g.tcell");
   REQUIRE(report["bodies"][1]["cells"] == 16);
@@ -199,7 +186,7 @@ TEST_CASE("Sheets overlap nothing, and neither do cells that a body only keeps")
 TEST_CASE("A body under a stronger one owns no cell and is named in a warning") {
   const TempFolder folder;
   const auto box = shapes::box({0, 0, 0}, {2, 2, 2});
-  const auto report = mesh_quietly(scene_of(folder, {{box}, {box, Rule::kNonzero, 2}}, uniform_grid(-1, 0.5, 8, 8, 8)), folder / "g.tcell");
+  const auto report = mesh_quietly(scene_of(folder, {{box}, {box, Rule::kNonzero, 2}}, cube_grid_of(-1, 0.5, 8)), folder / "g.tcell");
   REQUIRE(report["bodies"][0]["cells"] == 0);
   REQUIRE(report["bodies"][0]["covered_cells"] == 64);
   REQUIRE(report["bodies"][1]["cells"] == 64);

@@ -1,9 +1,5 @@
 // A service over one grid of random cells, asked without a socket.
 #pragma once
-#include <fmt/format.h>
-#include <catch2/catch.hpp>
-#include <nlohmann/json.hpp>
-
 #include "server/api/routes.hpp"
 #include "tests/support/meshed.hpp"
 #include "tests/support/stored.hpp"
@@ -36,11 +32,7 @@ struct Served {
     service = std::make_unique<server::Service>(options);
   }
   Label at(int64_t x, int64_t y, int64_t z) const { return cells[static_cast<size_t>((z * kCells[1] + y) * kCells[0] + x)]; }
-  Response get(const std::string& target) {
-    Request r;
-    r.target = target;
-    return handle(*service, r);
-  }
+  Response get(const std::string& target) { return handle(*service, {.target = target}); }
   json parsed(const std::string& target) {
     const Response r = get(target);
     INFO(target << ": " << (r.body ? *r.body : ""));

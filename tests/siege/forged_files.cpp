@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "tests/support/assembled.hpp"
+#include "tests/support/cube_grid.hpp"
 #include "tests/support/random.hpp"
 
 namespace teracell::testing {
@@ -12,7 +13,7 @@ using Frames = std::vector<Bytes>;
 
 Metadata metadata(const Index3& n, uint32_t rays, uint32_t cells, uint32_t page, uint32_t labels = 2) {
   Metadata meta;
-  for (int d = 0; d < 3; ++d) meta.grid.axis[d] = Axis::uniform(0, 1, 0, n[d], 0.5);
+  meta.grid = unit_grid(n);
   meta.ray_axis = 2;
   meta.chunk_rays = rays, meta.chunk_cells = cells, meta.page_chunks = page;
   meta.materials = {{"air", "#00000000", 1}, {"steel", "#8899aa", 0}};

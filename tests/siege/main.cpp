@@ -27,6 +27,7 @@
 #include "store/base/wanted.hpp"
 #include "tests/siege/forged_files.hpp"
 #include "tests/siege/targets.hpp"
+#include "tests/support/stored.hpp"
 
 namespace {
 
@@ -103,16 +104,12 @@ class Siege {
   ~Siege() { std::filesystem::remove_all(folder_); }
 
   void serve(const ForgedFile& file) {
-    std::ofstream(folder_ / "g.tcell", std::ios::binary)
-        .write(reinterpret_cast<const char*>(file.bytes.data()), static_cast<std::streamsize>(file.bytes.size()));
+    write_bytes(folder_ / "g.tcell", file.bytes);
     std::unique_ptr<server::Service> service;
-    server::ServiceOptions options;
-    options.named = {folder_};
-    options.cache_bytes = cache_;
     worst_ = {};
     beyond_here_ = 0;
     Cost opened = cost_of("open", 0, [&] {
-      service = std::make_unique<server::Service>(options);
+      service = std::make_unique<server::Service>(server::ServiceOptions{.named = {folder_}, .cache_bytes = cache_});
       try {
         service->grids().find("g");
       } catch (const server::HttpError& e) {
@@ -129,9 +126,7 @@ class Siege {
         targets = targets_of(grid->meta(), grid->reader().levels());
       }
       for (const std::string& target : targets) {
-        server::Request request;
-        request.target = target;
-        request.origin = "http://localhost";
+        server::Request request{.target = target, .origin = "http://localhost"};
         for (const bool gzip : {false, true}) {
           if (beyond_here_ >= kEnough || (gzip && target.find(".png") != std::string::npos)) continue;
           request.accepts_gzip = gzip;
@@ -189,7 +184,7 @@ void write_files(const std::filesystem::path& folder, size_t each) {
     const auto file = hand_made_file(number);
     if (!file) continue;
     const std::filesystem::path path = folder / fmt::format("{}.tcell", number);
-    std::ofstream(path, std::ios::binary).write(reinterpret_cast<const char*>(file->bytes.data()), static_cast<std::streamsize>(file->bytes.size()));
+    write_bytes(path, file->bytes);
     std::ofstream list(folder / fmt::format("{}.txt", number));
     list << hand_made_name(number) << "\n";
     try {

@@ -1,14 +1,6 @@
 // The C API, through the shared library, against the reader that it stands on and against the cells.
 #include "store/teracell.h"
 
-#include <cerrno>
-#include <cstring>
-#include <fstream>
-#include <memory>
-#include <thread>
-
-#include <catch2/catch.hpp>
-
 #include "store/whole/info.hpp"
 #include "tests/support/checked.hpp"
 
@@ -75,10 +67,6 @@ void expect_box(Opened& o, int level, int type, bool mapped) {
   REQUIRE(tc_read_box(o.grid.get(), level, box.lo.data(), box.hi.data(), type, found.data(), stride.data(), 42, mapped ? map.data() : nullptr,
                       static_cast<int64_t>(map.size()), 1 + static_cast<int>(o.random() % 3)) == TC_OK);
   REQUIRE(found == expected);
-}
-
-void write_bytes(const std::filesystem::path& path, const Bytes& bytes) {
-  std::ofstream(path, std::ios::binary).write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
 }
 
 // What a call says that must fail.

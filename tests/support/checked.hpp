@@ -1,12 +1,9 @@
 // Everything that reads cells, held against the cells themselves: level 0 one by one, coarser sets by brute force from it.
 #pragma once
-#include <catch2/catch.hpp>
-
 #include "store/read/query.hpp"
 #include "store/read/slice.hpp"
 #include "store/read/stats.hpp"
 #include "tests/support/meshed.hpp"
-#include "tests/support/sanitized.hpp"
 #include "tests/support/stored.hpp"
 
 namespace teracell::testing {

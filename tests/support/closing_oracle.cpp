@@ -1,11 +1,5 @@
 #include "tests/support/closing_oracle.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <map>
-#include <set>
-#include <stdexcept>
-
 namespace teracell::oracle {
 namespace {
 

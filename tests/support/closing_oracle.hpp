@@ -1,11 +1,9 @@
 // How an open surface is closed: stitches, then caps, and the fill rule of each shell. A second reading of the rules, slow
 // and simple, that shares nothing with the mesher but its types: what the two agree on is what the rules say.
 #pragma once
-#include <string>
-#include <vector>
-
 #include "mesher/scene/scene.hpp"
 #include "mesher/surface/facet.hpp"
+#include "tests/support/test.hpp"
 
 namespace teracell::oracle {
 

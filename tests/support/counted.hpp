@@ -1,9 +1,5 @@
 // What a surface is made of, counted the plain way: maps of vertices and facets, and union-find over facets.
 #pragma once
-#include <algorithm>
-#include <map>
-#include <numeric>
-
 #include "tests/support/exact.hpp"
 
 namespace teracell::testing {

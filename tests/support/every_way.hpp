@@ -1,12 +1,7 @@
 // Scenes meshed in every way that must not show in the cells: axes, engines, chunks, threads, memory. A failure names the way.
 #pragma once
-#include <algorithm>
-#include <catch2/catch.hpp>
-
 #include "mesher/engines/engines.hpp"
 #include "tests/support/meshed.hpp"
-#include "tests/support/random.hpp"
-#include "tests/support/sanitized.hpp"
 
 namespace teracell::testing {
 

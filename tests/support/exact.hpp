@@ -1,12 +1,9 @@
 // Doubles as integers, for oracles that count in units small enough to hold every bit, and doubles that are hard to decide.
 #pragma once
 #include <boost/multiprecision/cpp_int.hpp>
-#include <cmath>
-#include <random>
-#include <stdexcept>
 
 #include "mesher/surface/facet.hpp"
-#include "tests/support/random.hpp"
+#include "tests/support/test.hpp"
 
 namespace teracell::testing {
 

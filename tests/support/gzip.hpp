@@ -1,9 +1,8 @@
 // Compressed text, as the files of the page and some surfaces are.
 #pragma once
-#include <string>
-
 #include <zlib.h>
-#include <catch2/catch.hpp>
+
+#include "tests/support/test.hpp"
 
 namespace teracell::testing {
 

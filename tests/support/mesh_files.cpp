@@ -1,12 +1,4 @@
 // The mesh files of shapes.hpp. Coordinates are written so that they read back to the same bits.
-#include <fmt/format.h>
-
-#include <bit>
-#include <cstring>
-#include <fstream>
-#include <map>
-#include <stdexcept>
-
 #include "mesher/surface/read_facets.hpp"
 #include "tests/support/shapes.hpp"
 

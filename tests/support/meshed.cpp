@@ -1,12 +1,7 @@
 #include "tests/support/meshed.hpp"
 
-#include <cstdlib>
-#include <fstream>
-#include <iterator>
-
-#include <fmt/format.h>
-
 #include "mesher/report/report_json.hpp"
+#include "tests/support/stored.hpp"
 
 namespace teracell::testing {
 
@@ -57,6 +52,12 @@ nlohmann::ordered_json mesh_quietly(const mesher::Scene& scene, const std::files
   const mesher::MeshReport found = mesh(
       scene, output, options, [](const char*, double, double) {}, stop);
   return nlohmann::ordered_json::parse(report_json(found.report, scene, found.run, found.warnings()));
+}
+
+GridReader meshed_reader(const std::vector<oracle::Body>& bodies, const Grid& grid, const mesher::MeshOptions& options) {
+  const TempFolder folder;
+  mesh_quietly(scene_of(folder, bodies, grid), folder / "g.tcell", options);
+  return reader_of(file_bytes(folder / "g.tcell"));
 }
 
 std::vector<uint32_t> all_cells(const GridReader& reader, int level) {

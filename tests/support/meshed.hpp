@@ -1,9 +1,5 @@
 // A scene meshed through files, as a user would, and its cells read back.
 #pragma once
-#include <filesystem>
-
-#include <nlohmann/json.hpp>
-
 #include "mesher/pipeline.hpp"
 #include "store/read/query.hpp"
 #include "tests/support/oracle.hpp"
@@ -26,6 +22,8 @@ class TempFolder {
 // The scene of `bodies` (each written as an OBJ) on `grid`.
 mesher::Scene scene_of(const TempFolder& folder, const std::vector<oracle::Body>& bodies, const Grid& grid);
 nlohmann::ordered_json mesh_quietly(const mesher::Scene& scene, const std::filesystem::path& output, const mesher::MeshOptions& options = {});
+// The grid of `bodies`, meshed and read back.
+GridReader meshed_reader(const std::vector<oracle::Body>& bodies, const Grid& grid, const mesher::MeshOptions& options = {});
 // Every cell's material of a level, C order [z][y][x].
 std::vector<uint32_t> all_cells(const GridReader& reader, int level = 0);
 std::string bytes_of(const std::filesystem::path& path);

@@ -22,13 +22,7 @@
 // in integers: 128 bits when the coordinates are below 2^40 (lattices), as many as needed otherwise.
 #include "tests/support/oracle.hpp"
 
-#include <algorithm>
 #include <boost/multiprecision/cpp_int.hpp>
-#include <cmath>
-#include <limits>
-#include <map>
-#include <stdexcept>
-#include <utility>
 
 namespace teracell::oracle {
 namespace {

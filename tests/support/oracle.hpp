@@ -1,11 +1,9 @@
 // The strong oracle: which cells are inside which body (mesher/SCENES.md, "What a cell is"), in exact arithmetic, written so that it can
 // be checked by reading rather than to be fast. It shares nothing with the mesher: it casts no ray and scans no facet.
 #pragma once
-#include <cstdint>
-#include <vector>
-
 #include "mesher/surface/facet.hpp"
 #include "store/grid/grid.hpp"
+#include "tests/support/test.hpp"
 
 namespace teracell::oracle {
 

@@ -1,16 +1,9 @@
 // The oracle against what can be known without it: boxes by hand, partitions, analytic volumes, and a second way to
 // the winding number.
-#include "tests/support/oracle.hpp"
-#include "tests/support/cube_grid.hpp"
-#include "tests/support/sanitized.hpp"
-
-#include <algorithm>
 #include <boost/multiprecision/cpp_int.hpp>
-#include <catch2/catch.hpp>
-#include <cmath>
-#include <numbers>
-#include <stdexcept>
 
+#include "tests/support/cube_grid.hpp"
+#include "tests/support/oracle.hpp"
 #include "tests/support/shapes.hpp"
 
 namespace teracell {
@@ -22,10 +15,7 @@ using shapes::Facets;
 using Rational = boost::multiprecision::cpp_rational;
 
 // Cells of width 1 whose centres are the integers 0 .. n - 1.
-Grid integer_grid(int64_t n) {
-  const Axis axis = Axis::uniform(-0.5, 1, 0, n, 0.5);
-  return {{axis, axis, axis}};
-}
+Grid integer_grid(int64_t n) { return cube_grid_of(-0.5, 1, n); }
 
 // Planes that widen: centres are not on any common lattice of few bits.
 Grid graded_grid(int64_t n, double widening) {

@@ -3,9 +3,6 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <catch2/catch.hpp>
-#include <csignal>
-
 #include "tests/support/meshed.hpp"
 
 namespace teracell::testing {
@@ -25,13 +22,7 @@ inline mesher::Scene scene_in_parts(const TempFolder& folder, int cells = 300) {
   return scene;
 }
 
-inline mesher::MeshOptions options_of_parts(int axis) {
-  mesher::MeshOptions options;
-  options.axis = axis;
-  options.chunk_rays = 8;
-  options.thin = true;
-  return options;
-}
+inline mesher::MeshOptions options_of_parts(int axis) { return {.axis = axis, .thin = true, .chunk_rays = 8}; }
 
 inline std::filesystem::path make_part(const mesher::Scene& scene, const std::filesystem::path& output, mesher::MeshOptions options,
                                        const mesher::Shard& shard) {

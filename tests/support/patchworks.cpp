@@ -1,12 +1,5 @@
 #include "tests/support/patchworks.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <map>
-#include <set>
-
-#include "tests/support/random.hpp"
-
 namespace teracell::patchworks {
 namespace {
 

@@ -1,7 +1,5 @@
 // Open surfaces as programs export them: closed ones cut into patches, each with vertices of its own along its seams.
 #pragma once
-#include <random>
-
 #include "tests/support/shapes.hpp"
 
 namespace teracell::patchworks {

@@ -1,8 +1,6 @@
 // How much memory something takes while it works.
 #pragma once
-#include <cstdint>
-#include <fstream>
-#include <string>
+#include "tests/support/test.hpp"
 
 namespace teracell::testing {
 

@@ -36,6 +36,6 @@ inline bool shows(const Png& part, const Png& whole, int64_t x, int64_t y) {
 }
 
 // A grid with many cells along x and z.
-inline Grid long_grid() { return {{Axis::uniform(0, 1, 0, 1100, 0.5), Axis::uniform(0, 1, 0, 3, 0.5), Axis::uniform(0, 1, 0, 531, 0.5)}}; }
+inline Grid long_grid() { return unit_grid({1100, 3, 531}); }
 
 }  // namespace teracell::testing

@@ -1,11 +1,6 @@
 #include "tests/support/png.hpp"
 
-#include <cstdlib>
-
-#include <algorithm>
-
 #include <zlib.h>
-#include <catch2/catch.hpp>
 
 namespace teracell::testing {
 namespace {

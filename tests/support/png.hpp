@@ -1,11 +1,8 @@
 // Decodes PNG pictures: palette or RGBA, all filters, not interlaced. REQUIREs that the file keeps every rule: order
 // and CRCs of chunks, a zlib stream that zlib itself inflates (with its Adler-32), and no byte too many.
 #pragma once
-#include <span>
-#include <string>
-#include <vector>
-
 #include "store/text/color.hpp"
+#include "tests/support/test.hpp"
 
 namespace teracell::testing {
 

@@ -2,11 +2,6 @@
 
 #include <zlib.h>
 
-#include <bit>
-
-#include <fmt/format.h>
-#include <catch2/catch.hpp>
-
 #include "server/api/routes.hpp"
 #include "server/picture/picture.hpp"
 
@@ -28,12 +23,7 @@ ServedCells::ServedCells(const Grid& grid, int ray_axis, uint32_t labels, uint32
   service_ = std::make_unique<server::Service>(server::ServiceOptions{.named = {path_}, .max_pixels = 1 << 19});
 }
 
-server::Response ServedCells::get(const std::string& target) {
-  server::Request request;
-  request.target = target;
-  request.origin = "http://host:8080";
-  return get(request);
-}
+server::Response ServedCells::get(const std::string& target) { return get({.target = target, .origin = "http://host:8080"}); }
 
 server::Response ServedCells::get(const server::Request& request) { return handle(*service_, request); }
 
@@ -95,6 +85,25 @@ std::string inflated(const std::string& bytes, size_t expected) {
 std::vector<uint32_t> ids_of(const std::string& bytes, size_t width) {
   std::vector<uint32_t> out(bytes.size() / width, 0);
   for (size_t i = 0; i < bytes.size(); ++i) out[i / width] |= static_cast<uint32_t>(static_cast<uint8_t>(bytes[i])) << (8 * (i % width));
+  return out;
+}
+
+std::vector<uint32_t> joined_blocks(const std::vector<int64_t>& n, const std::vector<int64_t>& c,
+                                    const std::function<std::vector<uint32_t>(int64_t kz, int64_t ky, int64_t kx)>& block) {
+  std::vector<uint32_t> out(static_cast<size_t>(n[0] * n[1] * n[2]));
+  bool padding = false;
+  for (int64_t kz = 0; kz * c[0] < n[0]; ++kz)
+    for (int64_t ky = 0; ky * c[1] < n[1]; ++ky)
+      for (int64_t kx = 0; kx * c[2] < n[2]; ++kx) {
+        const auto ids = block(kz, ky, kx);
+        for (size_t i = 0; i < ids.size(); ++i) {
+          const auto k = static_cast<int64_t>(i);
+          const int64_t z = kz * c[0] + k / (c[1] * c[2]), y = ky * c[1] + k / c[2] % c[1], x = kx * c[2] + k % c[2];
+          if (z < n[0] && y < n[1] && x < n[2]) out[static_cast<size_t>((z * n[1] + y) * n[2] + x)] = ids[i];
+          else padding |= ids[i] != 0;
+        }
+      }
+  REQUIRE_FALSE(padding);
   return out;
 }
 

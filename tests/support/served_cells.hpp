@@ -1,7 +1,5 @@
 // A grid of random cells as clients of the protocols get it, its cells by brute force, and what clients do with an answer.
 #pragma once
-#include <nlohmann/json.hpp>
-
 #include "server/service/service.hpp"
 #include "store/text/color.hpp"
 #include "tests/support/meshed.hpp"
@@ -43,6 +41,10 @@ Grid graded_grid();
 std::string inflated(const std::string& bytes, size_t expected);
 // Ids of one or two bytes, little endian.
 std::vector<uint32_t> ids_of(const std::string& bytes, size_t width);
+
+// The cells of an array of `n` from its blocks of `c`, all in C order [z][y][x]. REQUIREs that what is beyond the array is 0.
+std::vector<uint32_t> joined_blocks(const std::vector<int64_t>& n, const std::vector<int64_t>& c,
+                                    const std::function<std::vector<uint32_t>(int64_t kz, int64_t ky, int64_t kx)>& block);
 
 // REQUIREs status 404 and an empty body.
 void require_missing(const server::Response& response);

@@ -1,9 +1,5 @@
 #include "tests/support/shapes.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-
 namespace teracell::shapes {
 namespace {
 

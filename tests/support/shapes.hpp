@@ -2,13 +2,8 @@
 // `lattice` is taken, vertices are rounded to its multiples (0 leaves them alone); facets that this collapses stay, so
 // that the surface stays closed and the readers of it meet degenerate facets.
 #pragma once
-#include <cstdint>
-#include <filesystem>
-#include <random>
-#include <string>
-#include <vector>
-
 #include "mesher/surface/facet.hpp"
+#include "tests/support/test.hpp"
 
 namespace teracell::shapes {
 

@@ -1,7 +1,5 @@
 // Small sound files, and what must become of damaged and of hostile ones.
 #pragma once
-#include <catch2/catch.hpp>
-
 #include "store/read/slice.hpp"
 #include "store/read/stats.hpp"
 #include "store/whole/verify.hpp"
@@ -13,32 +11,21 @@ namespace teracell::testing {
 
 using Levels = std::vector<std::vector<Mask>>;
 
-inline Grid cubic(int64_t nx, int64_t ny, int64_t nz) {
-  const auto axis = [](int64_t n) { return Axis::uniform(0, 1, 0, n, 0.5); };
-  return {{axis(nx), axis(ny), axis(nz)}};
-}
-
 // As a user would make one: one chunk per level, three materials, a report.
 inline Bytes meshed_file() {
   const TempFolder folder;
-  mesher::MeshOptions options;
-  options.axis = 2;
-  options.threads = 1;
   mesh_quietly(
       scene_of(folder,
                {{shapes::box({1, 1, 1}, {9, 7, 6})}, {shapes::tetrahedron({2, 2, 2}, {11, 3, 2}, {3, 8, 3}, {4, 4, 7}), oracle::Rule::kNonzero, 2}},
-               cubic(12, 9, 8)),
-      folder / "g.tcell", options);
+               unit_grid({12, 9, 8})),
+      folder / "g.tcell", {.axis = 2, .threads = 1});
   return file_bytes(folder / "g.tcell");
 }
 
 // Many chunks, segments and pages on several levels.
 inline Bytes chunked_file(int ray_axis = 1, const Index3& n = {5, 6, 9}) {
-  const TempFolder folder;
   std::mt19937_64 random(7);
-  const Metadata meta = with_tiny_chunks(metadata_of(cubic(n[0], n[1], n[2]), ray_axis, 3));
-  store_cells(folder / "g.tcell", meta, random_cells(random, n, 3));
-  return file_bytes(folder / "g.tcell");
+  return stored_cells(with_tiny_chunks(metadata_of(unit_grid(n), ray_axis, 3)), random_cells(random, n, 3));
 }
 
 // With a channel that no reader knows: its frames stand between the chunks and the directories.

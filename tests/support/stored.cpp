@@ -1,5 +1,7 @@
 #include "tests/support/stored.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <cstring>
 #include <fstream>
@@ -86,6 +88,16 @@ void store_cells(const std::filesystem::path& path, const Metadata& meta, const 
   writer.finish(R"({"schema":1})", 1234);
 }
 
+Bytes stored_cells(const Metadata& meta, const std::vector<Label>& cells) {
+  const auto path = std::filesystem::temp_directory_path() / fmt::format("teracell-cells-{}", getpid());
+  store_cells(path, meta, cells);
+  Bytes bytes = file_bytes(path);
+  std::filesystem::remove(path);
+  return bytes;
+}
+
+GridReader reader_of(const Metadata& meta, const std::vector<Label>& cells) { return reader_of(stored_cells(meta, cells)); }
+
 std::vector<Label> random_cells(std::mt19937_64& random, const Index3& n, uint32_t labels) {
   std::vector<Label> cells(static_cast<size_t>(n[0] * n[1] * n[2]), 0);
   struct Ball {
@@ -135,6 +147,18 @@ std::vector<Mask> level_as_read(const GridReader& reader, int level) {
 Bytes file_bytes(const std::filesystem::path& path) {
   std::ifstream in(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(in), {}};
+}
+
+void write_bytes(const std::filesystem::path& path, std::span<const uint8_t> bytes) {
+  std::ofstream(path, std::ios::binary).write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+}
+
+void damage(const std::filesystem::path& path, uint64_t at) {
+  std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary);
+  file.seekg(static_cast<std::streamoff>(at));
+  const int was = file.get();
+  file.seekp(static_cast<std::streamoff>(at));
+  file.put(static_cast<char>(was ^ 0x40));
 }
 
 }  // namespace teracell::testing

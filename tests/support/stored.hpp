@@ -6,6 +6,7 @@
 #include "store/read/reader.hpp"
 #include "store/write/writer.hpp"
 #include "tests/support/blocks.hpp"
+#include "tests/support/cube_grid.hpp"
 #include "tests/support/descriptors.hpp"
 
 namespace teracell::testing {
@@ -13,14 +14,14 @@ namespace teracell::testing {
 // A file in memory. Threads may share it.
 class MemorySource : public ByteSource {
  public:
-  explicit MemorySource(Bytes bytes) : bytes_(std::move(bytes)) {}
+  explicit MemorySource(Bytes bytes, std::string name = "memory.tcell") : bytes_(std::move(bytes)), name_(std::move(name)) {}
   uint64_t size() const override { return bytes_.size(); }
   const std::string& name() const override { return name_; }
   void read(uint64_t offset, std::span<uint8_t> out) const override;
 
  private:
   const Bytes bytes_;
-  const std::string name_ = "memory.tcell";
+  const std::string name_;
 };
 
 GridReader reader_of(const Bytes& file);
@@ -35,6 +36,9 @@ Metadata with_tiny_chunks(Metadata meta);
 void store_cells(
     const std::filesystem::path& path, const Metadata& meta, const std::vector<Label>& cells,
     const std::function<void(GridWriter&)>& between = [](GridWriter&) {});
+// The file that store_cells() makes, in memory, and its reader.
+Bytes stored_cells(const Metadata& meta, const std::vector<Label>& cells);
+GridReader reader_of(const Metadata& meta, const std::vector<Label>& cells);
 // Blobs of labels with cells of noise between them.
 std::vector<Label> random_cells(std::mt19937_64& random, const Index3& n, uint32_t labels);
 
@@ -44,5 +48,9 @@ std::vector<Mask> level_by_hand(const Grid& grid, const std::vector<Label>& cell
 std::vector<Mask> level_as_read(const GridReader& reader, int level);
 
 Bytes file_bytes(const std::filesystem::path& path);
+// Makes or replaces a file.
+void write_bytes(const std::filesystem::path& path, std::span<const uint8_t> bytes);
+// Changes a byte of a file.
+void damage(const std::filesystem::path& path, uint64_t at);
 
 }  // namespace teracell::testing

@@ -2,17 +2,6 @@
 #pragma once
 #include <unistd.h>
 
-#include <algorithm>
-#include <bit>
-#include <catch2/catch.hpp>
-#include <cmath>
-#include <cstdlib>
-#include <fstream>
-#include <iterator>
-#include <limits>
-#include <optional>
-#include <sstream>
-
 #include "mesher/surface/read_facets.hpp"
 #include "mesher/surface/reader.hpp"
 #include "store/base/error.hpp"

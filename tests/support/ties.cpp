@@ -1,9 +1,5 @@
 #include "tests/support/ties.hpp"
 
-#include <cmath>
-
-#include "tests/support/random.hpp"
-
 namespace teracell::shapes {
 namespace {
 

@@ -1,8 +1,5 @@
 #include "tests/support/winding.hpp"
 
-#include <cmath>
-#include <numbers>
-
 namespace teracell {
 namespace {
 

@@ -1,16 +1,10 @@
 // Patches: which facets belong to which part of the boundary, and how large these are.
 #include "mesher/bodies/patches.hpp"
 
-#include <fstream>
-#include <map>
-#include <set>
-
-#include <fmt/format.h>
-#include <catch2/catch.hpp>
-
 #include "mesher/parts/merge.hpp"
 #include "store/channels/link_reader.hpp"
 #include "store/format/metadata_json.hpp"
+#include "tests/support/cube_grid.hpp"
 #include "tests/support/parts.hpp"
 
 namespace teracell::mesher {
@@ -63,8 +57,7 @@ std::map<std::string, std::set<std::string>> patches_of_links(const GridReader& 
 TEST_CASE("Groups, objects and what has no name are patches with their areas, and links name them", "[patches]") {
   const TempFolder folder;
   write_cube(folder / "cube.obj", {"", "g inlet", "o box", "g wall roof", "g", "g inlet"});
-  MeshOptions options;
-  options.links = true;
+  const MeshOptions options{.links = true};
   const Metadata meta = meshed(cube_scene({folder / "cube.obj"}), folder / "g.tcell", options);
   REQUIRE(meta.patches.size() == 6 + 4);
   const char* sides[] = {"xmin", "xmax", "ymin", "ymax", "zmin", "zmax"};
@@ -125,14 +118,9 @@ TEST_CASE("Groups that a file has no room for belong to the patch of their body"
 }
 
 TEST_CASE("All walls of a sheet with one patch have that patch, also where the sheet is not crossed between two sample points", "[patches]") {
-  const TempFolder folder;
-  MeshOptions options;
-  options.links = true;
-  const Axis axis = Axis::uniform(0, 1, 0, 10, 0.5);
   std::vector<oracle::Body> bodies = {{shapes::sphere({5, 5, 5}, 3.3, 2)}};
   bodies[0].sheet = true;
-  mesh_quietly(scene_of(folder, bodies, {{axis, axis, axis}}), folder / "g.tcell", options);
-  const GridReader reader(folder / "g.tcell");
+  const GridReader reader = meshed_reader(bodies, cube_grid_of(0, 1, 10), {.links = true});
   size_t without_place = 0;
   for (int d = 0; d < 3; ++d)
     LinkReader(reader).for_each(d, reader.meta().grid.box(0), [&](std::span<const CellLink> found) {
@@ -173,8 +161,7 @@ TEST_CASE("Caps, stitches and walls have patches of their own", "[patches]") {
   std::string text = bytes_of(folder / "cube.obj");
   text.erase(text.find("g f"));  // no roof
   std::ofstream(folder / "open.obj") << text;
-  MeshOptions options;
-  options.links = true;
+  const MeshOptions options{.links = true};
   Scene scene = cube_scene({folder / "open.obj"});
   auto areas = areas_of(meshed(scene, folder / "g.tcell", options));
   CHECK(areas.at("open:cap") == 36);
@@ -191,8 +178,7 @@ TEST_CASE("Of two walls at one place the first facet of the stronger body tells 
   write_cube(folder / "a.obj", {"g a1", "g a2", "g a3", "g a4", "g a5", "g a6"});
   write_cube(folder / "b.obj", {"g b1", "g b2", "g b3", "g b4", "g b5", "g b6"});
   Scene scene = cube_scene({folder / "a.obj", folder / "b.obj"});
-  MeshOptions options;
-  options.links = true;
+  MeshOptions options{.links = true};
   for (const uint64_t memory : {~uint64_t{0}, uint64_t{1000}})
     for (const int64_t priority : {1, -1}) {
       options.memory = memory;
@@ -210,14 +196,10 @@ TEST_CASE("Surfaces in memory and on disk, by any threads, give one file of link
   write_cube(folder / "cube.obj", {"g a", "g b", "g c", "g d", "g e", "g f"});
   auto open = shapes::torus({5, 5, 5}, 3, 1.5, 40, 30);
   open.pop_back();
-  const Axis axis = Axis::uniform(0, 0.25, 0, 40, 0.5);
-  Scene scene = scene_of(folder, {{open}, {shapes::sphere({5, 5, 6}, 3.3, 4), oracle::Rule::kNonzero, 2}}, {{axis, axis, axis}});
+  Scene scene = scene_of(folder, {{open}, {shapes::sphere({5, 5, 6}, 3.3, 4), oracle::Rule::kNonzero, 2}}, cube_grid_of(0, 0.25, 40));
   scene.bodies.push_back(scene.bodies[0]);
   scene.bodies.back().mesh = folder / "cube.obj", scene.bodies.back().name = "cube";
-  MeshOptions options;
-  options.links = true;
-  options.chunk_rays = 4;
-  options.threads = 1;
+  MeshOptions options{.threads = 1, .links = true, .chunk_rays = 4};
   mesh_quietly(scene, folder / "g.tcell", options);
   const std::string expected = bytes_of(folder / "g.tcell");
   for (const auto& [memory, threads] : {std::pair(~uint64_t{0}, 3), std::pair(uint64_t{1000}, 1), std::pair(uint64_t{1000}, 3)}) {

@@ -1,7 +1,5 @@
 // Shares of mixed cells: equal to the cells of a finer grid that rational arithmetic decides, whatever the ray axis, engine, threads,
 // chunks and interruptions.
-#include <catch2/catch.hpp>
-
 #include "mesher/parts/merge.hpp"
 #include "store/channels/fraction_reader.hpp"
 #include "store/whole/verify.hpp"
@@ -108,12 +106,8 @@ Subdivision some_subdivision(std::mt19937_64& random) {
 }
 
 TEST_CASE("Half a cell is half of its sub-samples") {
-  const TempFolder folder;
   const std::vector<Body> bodies = {{shapes::box({0.5, 1, 1}, {2.25, 3, 3})}};
-  MeshOptions options;
-  options.fractions = Subdivision{4, 1, 1};
-  mesh_quietly(scene_of(folder, bodies, cube_grid_of(0, 1, 4)), folder / "g.tcell", options);
-  const Shares shares = shares_of(GridReader(folder / "g.tcell"), 2);
+  const Shares shares = shares_of(meshed_reader(bodies, cube_grid_of(0, 1, 4), {.fractions = Subdivision{4, 1, 1}}), 2);
   const auto row = [&](size_t x) { return shares[(1 * 4 + 1) * 4 + x]; };
   CHECK(row(0) == std::vector<uint32_t>{2, 2});
   CHECK(row(1) == std::vector<uint32_t>{0, 4});
@@ -161,12 +155,7 @@ TEST_CASE("Shares of a sphere of 20.3 cells, 4 x 4 x 64 sub-samples, are as near
   constexpr double kRadius = 20.3;
   const shapes::Facets facets = shapes::sphere({0, 0, 0}, kRadius, 7);
   const Grid grid = cube_grid_of(-22, 1, 44);
-  const TempFolder folder;
-  MeshOptions options;
-  options.axis = 2;
-  options.fractions = Subdivision{4, 4, 64};
-  mesh_quietly(scene_of(folder, {{facets}}, grid), folder / "g.tcell", options);
-  const GridReader reader(folder / "g.tcell");
+  const GridReader reader = meshed_reader({{facets}}, grid, {.axis = 2, .fractions = Subdivision{4, 4, 64}});
   std::vector<double> shares(44 * 44 * 44);
   FractionReader(reader).read_box(grid.box(0), 1, 0.0, shares.data(), {1, 44, 44 * 44});
   double volume = 0, squares = 0;
@@ -196,8 +185,7 @@ TEST_CASE("Sheets and kept thin parts own cells, but take no share") {
   const std::vector<Body> plate = {{shapes::box({2.6, 1, 1}, {2.9, 5, 5})}};
   Scene scene = scene_of(folder, plate, grid);
   scene.bodies[0].thin = Thin::kKeep;
-  MeshOptions options;
-  options.fractions = Subdivision{8, 2, 2};
+  const MeshOptions options{.fractions = Subdivision{8, 2, 2}};
   mesh_quietly(scene, folder / "g.tcell", options);
   CHECK(shares_of(GridReader(folder / "g.tcell"), 2) == expected_shares(plate, grid, *options.fractions, 2));
 }
@@ -208,8 +196,7 @@ TEST_CASE("Many sub-samples per cell are counted in blocks of a ray, and give th
   const TempFolder folder;
   for (const Subdivision& samples : {Subdivision{256, 16, 1}, Subdivision{1, 256, 8}}) {
     const Shares expected = expected_shares(bodies, grid, samples, 2);
-    MeshOptions options;
-    options.fractions = samples;
+    const MeshOptions options{.fractions = samples};
     for_axes(scene_of(folder, bodies, grid), options, [&](const GridReader& reader, const auto&) { CHECK(shares_of(reader, 2) == expected); });
   }
 }
@@ -218,8 +205,7 @@ TEST_CASE("The cells are the same with and without fractions and links") {
   std::mt19937_64 random(9);
   const TempFolder folder;
   const Scene scene = scene_of(folder, shapes::bodies_of_ties(random, 8, 4), cube_grid_of(0, 0.5, 18));
-  MeshOptions options;
-  options.axis = 1;
+  MeshOptions options{.axis = 1};
   mesh_quietly(scene, folder / "plain.tcell", options);
   options.fractions = Subdivision{2, 2, 2};
   options.links = true;
@@ -235,12 +221,7 @@ TEST_CASE("A file with fractions and links is the same for any threads, from par
   const TempFolder folder;
   const Scene scene =
       scene_of(folder, {{shapes::sphere({5, 5, 5}, 4.1, 3)}, {shapes::shell_of_ties(random, 9), Rule::kEvenodd, 2}}, cube_grid_of(0, 0.25, 40));
-  MeshOptions options;
-  options.axis = 2;
-  options.chunk_rays = 4;
-  options.threads = 1;
-  options.fractions = Subdivision{2, 4, 8};
-  options.links = true;
+  MeshOptions options{.axis = 2, .threads = 1, .fractions = Subdivision{2, 4, 8}, .links = true, .chunk_rays = 4};
   mesh_quietly(scene, folder / "g.tcell", options);
   const std::string expected = bytes_of(folder / "g.tcell");
 
@@ -265,8 +246,7 @@ TEST_CASE("Sub-samples that doubles can't tell apart are refused") {
   const TempFolder folder;
   Scene scene = scene_of(folder, {{shapes::box({1, 1, 1}, {2, 2, 2})}},
                          {{Axis::uniform(0, 1, 0, 4, 0.5), Axis::uniform(0, 1, 0, 4, 0.5), Axis::uniform(0x1p50, 0.5, 0, 4, 0.5)}});
-  MeshOptions options;
-  options.fractions = Subdivision{1, 1, 8};
+  const MeshOptions options{.fractions = Subdivision{1, 1, 8}};
   CHECK_THROWS_WITH(mesh_quietly(scene, folder / "g.tcell", options), Catch::StartsWith("8 sub-samples per cell along z"));
 }
 

@@ -1,11 +1,5 @@
 // Links: equal to where rational arithmetic finds that labels change between sample points, whatever the ray axis, engine, threads, chunks and
 // interruptions.
-#include <catch2/catch.hpp>
-
-#include <map>
-
-#include <fmt/format.h>
-
 #include "store/channels/link_reader.hpp"
 #include "store/whole/verify.hpp"
 #include "tests/support/cube_grid.hpp"
@@ -129,11 +123,7 @@ void expect_exact_links(const std::vector<Body>& bodies, const Grid& grid, const
 }
 
 TEST_CASE("A wall between two sample points is at its place") {
-  const TempFolder folder;
-  MeshOptions options;
-  options.links = true;
-  mesh_quietly(scene_of(folder, {{shapes::box({0.75, 1, 1}, {2.5, 3, 3})}}, cube_grid_of(0, 1, 4)), folder / "g.tcell", options);
-  const Changes links = links_of(GridReader(folder / "g.tcell"));
+  const Changes links = links_of(meshed_reader({{shapes::box({0.75, 1, 1}, {2.5, 3, 3})}}, cube_grid_of(0, 1, 4), {.links = true}));
   CHECK(links.at({0, {0, 1, 1}}) == std::pair(16384u, 16384u));
   CHECK(links.at({0, {1, 1, 1}}) == std::pair(65536u, 65536u));  // the sample point on the face counts as outside
   CHECK(links.at({1, {1, 0, 1}}) == std::pair(32768u, 32768u));
@@ -149,11 +139,8 @@ TEST_CASE("Of two sheets side by side the one tells the place that is crossed be
     bodies[0].priority = priority;
     for (Body& body : bodies) body.sheet = true;
     expect_exact_links(bodies, grid);
-    const TempFolder folder;
-    MeshOptions options;
-    options.links = true;
-    mesh_quietly(scene_of(folder, bodies, grid), folder / "g.tcell", options);
-    CHECK(links_of(GridReader(folder / "g.tcell")).at({0, {2, 1, 1}}) == std::pair(52429u, 52429u));  // 0.8 from the sample point
+    const Changes links = links_of(meshed_reader(bodies, grid, {.links = true}));
+    CHECK(links.at({0, {2, 1, 1}}) == std::pair(52429u, 52429u));  // 0.8 from the sample point
   }
 }
 
@@ -172,10 +159,8 @@ TEST_CASE("Links of long rays are those of rays along another axis") {
     const Facets begin = shapes::box(lo, hi);
     lo[axis] = static_cast<double>(n) - 500, hi[axis] = static_cast<double>(n) - 3;
     const std::vector<Body> bodies = {{begin}, {shapes::sphere(middle, 1.9, 2), Rule::kNonzero, 2, 1}, {shapes::box(lo, hi), Rule::kNonzero, 3}};
-    MeshOptions options;
-    options.links = true;
     std::optional<Changes> expected;
-    for_axes(scene_of(folder, bodies, grid), options, [&](const GridReader& reader, const auto&) {
+    for_axes(scene_of(folder, bodies, grid), {.links = true}, [&](const GridReader& reader, const auto&) {
       REQUIRE((reader.shape(0).segments > 2) == (reader.meta().ray_axis == axis));
       const Changes found = links_of(reader);
       if (!expected) expected = found;
@@ -194,8 +179,7 @@ TEST_CASE("Chunks are shorter where walls along the rays have links of every cel
   for (int i = 0; i < 8; ++i) bodies.push_back({shapes::box({8. * i + 2.2, 1.3, 1.3}, {8. * i + 5.1, 62.2, 16300.4})});
   const Axis across = Axis::uniform(0, 1, 0, 64, 0.5);
   const Scene scene = scene_of(folder, bodies, {{across, across, Axis::uniform(0, 1, 0, 16384, 0.5)}});
-  MeshOptions options;
-  options.axis = 2;
+  MeshOptions options{.axis = 2};
   mesh_quietly(scene, folder / "g.tcell", options);
   CHECK(GridReader(folder / "g.tcell").shape(0).segments == 1);
   options.links = true;

@@ -1,13 +1,7 @@
 // Closed or not, and where not: the proof by hashes against edges counted in a map.
 #include "mesher/closing/boundary.hpp"
 
-#include <catch2/catch.hpp>
-
-#include <map>
-
 #include "store/base/error.hpp"
-#include "tests/support/random.hpp"
-#include "tests/support/sanitized.hpp"
 #include "tests/support/shapes.hpp"
 
 namespace teracell::mesher {

@@ -1,10 +1,4 @@
 // Open surfaces: boundary, loops, caps, and the fill rule of each shell.
-#include <catch2/catch.hpp>
-
-#include <map>
-
-#include <fmt/format.h>
-
 #include "mesher/bodies/bodies.hpp"
 #include "store/base/error.hpp"
 #include "tests/support/cube_grid.hpp"
@@ -242,8 +236,7 @@ TEST_CASE("Written caps close the surface: surface and caps as one file have the
       shapes::write_stl(folder / "body0.stl", open, shapes::Encoding::kLittleEndian);
       scene.bodies[0].mesh = folder / "body0.stl";
     }
-    MeshOptions options;
-    options.write_caps = folder / name;
+    const MeshOptions options{.write_caps = folder / name};
     mesh_quietly(scene, folder / "open.tcell", options);
     Facets whole;
     for (const auto& path : {scene.bodies[0].mesh, options.write_caps}) whole = shapes::join({whole, shapes::facets_in(path)});
@@ -257,8 +250,7 @@ TEST_CASE("Written caps close the surface: surface and caps as one file have the
 TEST_CASE("Caps of doubles don't fit into STL, and nothing is written") {
   const TempFolder folder;
   const Scene scene = scene_of(folder, {{without(shapes::sphere({0, 0, 0}, 4, 1), {3})}}, cube_grid_of(-5, 1, 10));
-  MeshOptions options;
-  options.write_caps = folder / "caps.stl";
+  const MeshOptions options{.write_caps = folder / "caps.stl"};
   REQUIRE_THROWS_WITH(mesh_quietly(scene, folder / "g.tcell", options), Catch::Contains(".ply"));
   REQUIRE_FALSE(std::filesystem::exists(folder / "caps.stl"));
   REQUIRE_FALSE(std::filesystem::exists(folder / "g.tcell"));

@@ -1,6 +1,4 @@
 // Reliefs: sheets that are closed by walls down to beyond the domain.
-#include <catch2/catch.hpp>
-
 #include "mesher/closing/extrude.hpp"
 #include "tests/support/every_way.hpp"
 
@@ -69,8 +67,7 @@ TEST_CASE("An extruded relief has the cells of the relief closed by hand, along 
     scene.bodies[0].closing = {Closing::Way::kExtrude, axis, up};
     scene.bodies[0].fill = evenodd ? Fill::kEvenodd : Fill::kAuto;
     for (int rays = 0; rays < 3; ++rays) {
-      MeshOptions options;
-      options.axis = rays;
+      MeshOptions options{.axis = rays};
       options.memory = rays == 1 ? 1 : options.memory;  // spilled
       const auto report = mesh_quietly(scene, folder / "g.tcell", options);
       REQUIRE((all_cells(GridReader(folder / "g.tcell")) == expected));
@@ -113,10 +110,7 @@ TEST_CASE("An extruded relief that is moved by a matrix is drawn out along the g
   for (Facet& f : moved)
     for (Vec3& v : f.vertex) v = transform(scene.bodies[0].matrix, v);
   for (const uint64_t memory : {~uint64_t{0}, uint64_t{1}}) {
-    MeshOptions options;
-    options.memory = memory;
-    options.write_caps = folder / "whole.ply";
-    mesh_quietly(scene, folder / "g.tcell", options);
+    mesh_quietly(scene, folder / "g.tcell", {.memory = memory, .write_caps = folder / "whole.ply"});
     const auto cells = all_cells(GridReader(folder / "g.tcell"));
     REQUIRE((cells == oracle::materials({{filled(moved, 2, -1000)}}, grid_of(false))));
     // What is written is the body as the grid sees it, closed.

@@ -1,15 +1,7 @@
 // Patches that meet in seams with gaps or with other vertices: the cells are those of the surface that they make up.
-#include <catch2/catch.hpp>
-
-#include <cmath>
-
-#include <nlohmann/json.hpp>
-
 #include "tests/support/cube_grid.hpp"
 #include "tests/support/meshed.hpp"
 #include "tests/support/patchworks.hpp"
-#include "tests/support/random.hpp"
-#include "tests/support/sanitized.hpp"
 #include "tests/support/winding.hpp"
 
 namespace teracell::mesher {

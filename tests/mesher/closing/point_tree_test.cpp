@@ -1,10 +1,7 @@
 // Points near a segment, against all distances.
 #include "mesher/closing/point_tree.hpp"
 
-#include <catch2/catch.hpp>
-
-#include "tests/support/random.hpp"
-#include "tests/support/sanitized.hpp"
+#include "tests/support/test.hpp"
 
 namespace teracell::mesher {
 namespace {

@@ -1,10 +1,6 @@
 // Which facets hang together and which lie on each other, in memory and by batches.
-#include <catch2/catch.hpp>
-
-#include <map>
-
-#include "mesher/closing/boundary.hpp"
 #include "mesher/closing/shells.hpp"
+#include "mesher/closing/boundary.hpp"
 #include "tests/support/cube_grid.hpp"
 #include "tests/support/every_way.hpp"
 

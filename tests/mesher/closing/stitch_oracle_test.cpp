@@ -1,13 +1,7 @@
 // Stitching and closing against the oracle: the cells of random surfaces, torn in the ways that real ones are.
-#include <catch2/catch.hpp>
-
-#include <cmath>
-
 #include "tests/support/closing_oracle.hpp"
 #include "tests/support/meshed.hpp"
 #include "tests/support/patchworks.hpp"
-#include "tests/support/random.hpp"
-#include "tests/support/sanitized.hpp"
 
 namespace teracell::mesher {
 namespace {
@@ -126,8 +120,7 @@ TEST_CASE("Torn surfaces have the cells that another reading of the rules gives 
     body.matrix = s.matrix;
     const auto expected = oracle::materials(closed_bodies(s), s.grid);
     for (int axis = 0; axis < 3; ++axis) {
-      MeshOptions options;
-      options.axis = axis;
+      MeshOptions options{.axis = axis};
       if (static_cast<uint64_t>(axis) == seed % 3) options.memory = 1;  // spilled
       mesh_quietly(scene, folder / "g.tcell", options);
       const auto cells = all_cells(GridReader(folder / "g.tcell"));

@@ -1,10 +1,7 @@
 // Shells, degenerate and duplicate facets, against maps and union-find over facets.
 #include "mesher/closing/surface_counts.hpp"
 
-#include <catch2/catch.hpp>
-
 #include "tests/support/counted.hpp"
-#include "tests/support/sanitized.hpp"
 #include "tests/support/shapes.hpp"
 
 namespace teracell::mesher {

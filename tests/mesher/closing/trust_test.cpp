@@ -1,14 +1,8 @@
 // How far caps are to be trusted: the surface's own winding number against the cells.
 #include "mesher/closing/trust.hpp"
 
-#include <catch2/catch.hpp>
-
-#include <cmath>
-#include <numbers>
-
 #include "tests/support/cube_grid.hpp"
 #include "tests/support/oracle.hpp"
-#include "tests/support/random.hpp"
 #include "tests/support/winding.hpp"
 
 namespace teracell::mesher {

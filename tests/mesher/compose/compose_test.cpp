@@ -1,15 +1,8 @@
 // Crossings of a tile of rays -> runs, against every cell looked at alone.
 #include "mesher/compose/compose.hpp"
 
-#include <catch2/catch.hpp>
-
-#include <algorithm>
-#include <map>
-#include <optional>
-
 #include "store/base/error.hpp"
-#include "tests/support/random.hpp"
-#include "tests/support/sanitized.hpp"
+#include "tests/support/test.hpp"
 
 namespace teracell::mesher {
 namespace {

@@ -1,11 +1,5 @@
 // The engines themselves: on tiles of any size all find the same crossings, and these wind around each sample point as
 // rational arithmetic says.
-#include <catch2/catch.hpp>
-
-#include <algorithm>
-#include <random>
-#include <thread>
-
 #include "mesher/engines/engines.hpp"
 #include "mesher/engines/tree.hpp"
 #include "store/base/error.hpp"

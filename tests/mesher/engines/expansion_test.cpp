@@ -1,10 +1,7 @@
 // Expansions against integer arithmetic.
 #include "mesher/engines/expansion.hpp"
 
-#include <catch2/catch.hpp>
-
 #include "tests/support/exact.hpp"
-#include "tests/support/sanitized.hpp"
 
 namespace teracell::mesher {
 namespace {

@@ -1,12 +1,9 @@
 // The predicates against integer arithmetic, in which the infinitesimal shift of the cell rule is a number.
 #include "mesher/engines/predicates.hpp"
 
-#include <catch2/catch.hpp>
-
 #include "mesher/engines/ray.hpp"
 #include "store/grid/grid.hpp"
 #include "tests/support/exact.hpp"
-#include "tests/support/sanitized.hpp"
 
 namespace teracell::mesher {
 namespace {

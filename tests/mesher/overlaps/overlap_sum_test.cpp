@@ -1,13 +1,7 @@
 // Sums of many tiles' overlaps, in memory and on disk, against a map.
 #include "mesher/overlaps/overlap_sum.hpp"
 
-#include <catch2/catch.hpp>
-
-#include <map>
-
 #include "tests/support/meshed.hpp"
-#include "tests/support/random.hpp"
-#include "tests/support/sanitized.hpp"
 
 namespace teracell::mesher {
 namespace {

@@ -1,10 +1,4 @@
 // Parts that lie under right checksums are refused by words, whoever reads them.
-#include <catch2/catch.hpp>
-
-#include <fstream>
-
-#include <fmt/format.h>
-
 #include "mesher/parts/merge.hpp"
 #include "mesher/run/checkpoint.hpp"
 #include "mesher/run/part_found.hpp"
@@ -73,20 +67,15 @@ class ThreeParts {
     auto open = shapes::torus({0, 0, 1}, 3, 1.5, 20, 12);
     open.pop_back();
     const Scene scene = scene_of(folder, {{shapes::sphere({0, 0, 0}, 4, 2)}, {open, oracle::Rule::kNonzero, 2}}, grid);
-    MeshOptions options;
-    options.axis = 2;
-    options.chunk_rays = 4;
-    options.thin = true;
-    paths = make_parts(scene, output(), options, 3);
+    paths = make_parts(scene, output(), {.axis = 2, .thin = true, .chunk_rays = 4}, 3);
     for (const auto& path : paths) sections.push_back(take_apart(file_bytes(path)));
   }
   std::filesystem::path output() const { return folder / "g.tcell"; }
   // Merges the parts, of which this one is forged.
   void merge_with(size_t part, const PartSections& lie) const {
-    const Bytes bytes = put_together(lie);
     std::vector<std::filesystem::path> all = paths;
     all[part] = folder / "forged";
-    std::ofstream(all[part], std::ios::binary).write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+    write_bytes(all[part], put_together(lie));
     try {
       verify(PartReader(all[part]));  // may pass: it knows nothing of the other parts
     } catch (const FormatError& e) {
@@ -155,9 +144,7 @@ TEST_CASE("Parts whose number of parts or of index pages is forged take no memor
   const ThreeParts parts;
   PartSections lie = parts.sections[0];
   lie.head = replaced(lie.head, R"("parts":3)", R"("parts":4294967295)");
-  const Bytes bytes = put_together(lie);
-  std::ofstream(parts.folder / "one", std::ios::binary)
-      .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  write_bytes(parts.folder / "one", put_together(lie));
   CHECK_THROWS_WITH(merge({parts.folder / "one"}, parts.output(), kSilent, kGoOn), Catch::Contains("and 4294967274 more are missing"));
 
   lie = parts.sections[0];
@@ -167,8 +154,7 @@ TEST_CASE("Parts whose number of parts or of index pages is forged take no memor
   meta.grid.axis[0] = meta.grid.axis[1] = Axis::uniform(0, 1, 0, 999999, 0.5);
   while (meta.levels().back().level + 1 < meta.grid.levels()) meta.levels().push_back({meta.levels().back().level + 1, 0, 0, 0, 0});
   lie.metadata = decode_text(encode_metadata(meta), "metadata");
-  const Bytes huge = put_together(lie);
-  std::ofstream(parts.folder / "huge", std::ios::binary).write(reinterpret_cast<const char*>(huge.data()), static_cast<std::streamsize>(huge.size()));
+  write_bytes(parts.folder / "huge", put_together(lie));
   CHECK_THROWS_WITH(merge({parts.folder / "huge"}, parts.output(), kSilent, kGoOn), Catch::Contains("index pages"));
 }
 

@@ -1,26 +1,14 @@
 // A grid that is made in parts, and put together: the bytes of one run.
-#include <catch2/catch.hpp>
-
-#include <fstream>
-
-#include <fmt/format.h>
-
 #include "mesher/parts/merge.hpp"
 #include "mesher/run/checkpoint.hpp"
 #include "store/base/error.hpp"
 #include "store/whole/verify.hpp"
 #include "tests/support/parts.hpp"
-#include "tests/support/sanitized.hpp"
 
 namespace teracell::mesher {
 namespace {
 
 using namespace testing;
-void put_bytes(const std::filesystem::path& path, const std::string& bytes) {
-  std::ofstream(path, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-}
-
-}  // namespace
 
 TEST_CASE("Any number of parts, made with any memory and threads, merge to the bytes of one run", "[parts]") {
   const TempFolder folder;
@@ -102,13 +90,13 @@ TEST_CASE("Parts that are missing, double, of another run or damaged are named, 
   const std::string whole = bytes_of(parts[1]);
   const std::filesystem::path damaged = folder / "damaged";
   for (size_t size = 0; size < whole.size(); size += 1 + whole.size() / 300) {
-    put_bytes(damaged, whole.substr(0, size));
+    std::ofstream(damaged, std::ios::binary) << whole.substr(0, size);
     refused({parts[0], damaged, parts[2], parts[3]}, "damaged");
   }
   for (size_t at = 0; at < whole.size(); at += 1 + whole.size() / 300) {
     std::string bytes = whole;
     bytes[at] = static_cast<char>(bytes[at] ^ 0x10);
-    put_bytes(damaged, bytes);
+    std::ofstream(damaged, std::ios::binary) << bytes;
     INFO("byte " << at);
     CHECK_THROWS_AS(verify(PartReader(damaged)), FormatError);
     CHECK_THROWS_AS(merge({parts[0], damaged, parts[2], parts[3]}, folder / "merged.tcell", kSilent, kGoOn), Error);
@@ -124,4 +112,5 @@ TEST_CASE("A merge that is stopped leaves nothing", "[parts]") {
   CHECK_FALSE(std::filesystem::exists(folder / "g.tcell"));
 }
 
+}  // namespace
 }  // namespace teracell::mesher

@@ -1,12 +1,6 @@
 // Which process makes which piece.
-#include <catch2/catch.hpp>
-
-#include <algorithm>
-#include <numeric>
-#include <set>
-
 #include "mesher/parts/piece_queue.hpp"
-#include "tests/support/random.hpp"
+#include "tests/support/test.hpp"
 
 namespace teracell::mesher {
 namespace {

@@ -1,16 +1,9 @@
 // A grid in pieces that several processes make, and its assembly: the bytes of one run.
-#include <catch2/catch.hpp>
-
-#include <fstream>
-
-#include <fmt/format.h>
-
-#include "mesher/bodies/assembly.hpp"
 #include "mesher/parts/pieces.hpp"
+#include "mesher/bodies/assembly.hpp"
 #include "mesher/run/part_found.hpp"
 #include "store/base/error.hpp"
 #include "tests/support/parts.hpp"
-#include "tests/support/sanitized.hpp"
 
 namespace teracell::mesher {
 namespace {

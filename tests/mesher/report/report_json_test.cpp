@@ -1,12 +1,8 @@
 #include "mesher/report/report_json.hpp"
 
-#include <fmt/format.h>
-#include <catch2/catch.hpp>
-#include <nlohmann/json.hpp>
-
 #include "store/base/error.hpp"
 #include "store/format/report_json.hpp"
-#include "tests/support/sanitized.hpp"
+#include "tests/support/test.hpp"
 
 namespace teracell::mesher {
 namespace {

@@ -1,7 +1,7 @@
 // What is decided once the bodies are read. How options become axes is resolve_grid's (scene_test.cpp).
 #include "mesher/run/plan.hpp"
 
-#include <catch2/catch.hpp>
+#include "tests/support/test.hpp"
 
 namespace teracell::mesher {
 namespace {

@@ -1,16 +1,10 @@
 // Runs that are killed, and those that go on from there: the same file, byte for byte.
-#include <catch2/catch.hpp>
-
 #include <fcntl.h>
 #include <sys/syscall.h>
-#include <fstream>
-
-#include <fmt/format.h>
 
 #include "mesher/run/checkpoint.hpp"
 #include "store/base/error.hpp"
 #include "tests/support/parts.hpp"
-#include "tests/support/sanitized.hpp"
 
 // In a child that is to die there, the rename that gives the finished file its name kills it.
 static bool die_at_rename = false;
@@ -33,8 +27,7 @@ Scene scene_to_kill(const TempFolder& folder) {
 }
 
 MeshOptions options_to_kill() {
-  MeshOptions options;
-  options.axis = 2;
+  MeshOptions options{.axis = 2};
   options.chunk_rays = 16;  // 256 tile groups
   options.checkpoint_seconds = 0;
   return options;

@@ -1,10 +1,7 @@
 // Which body wins, what its cells are called, and how materials rank.
 #include "mesher/scene/labels.hpp"
 
-#include <catch2/catch.hpp>
-
-#include <algorithm>
-#include <random>
+#include "tests/support/test.hpp"
 
 namespace teracell::mesher {
 namespace {

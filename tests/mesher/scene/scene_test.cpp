@@ -1,16 +1,8 @@
 #include "mesher/scene/scene.hpp"
 
-#include <unistd.h>
-
-#include <cmath>
-#include <fstream>
-
-#include <fmt/format.h>
-#include <catch2/catch.hpp>
-#include <nlohmann/json.hpp>
-
 #include "store/base/error.hpp"
 #include "store/text/text.hpp"
+#include "tests/support/meshed.hpp"
 
 using namespace teracell;
 using namespace teracell::mesher;
@@ -51,21 +43,11 @@ Grid resolve(const std::string& grid, const GridOptions& options, const Vec3& lo
   return resolve_grid(scene, lo, hi);
 }
 
-// A folder that goes with the test.
-class SceneFolder {
- public:
-  SceneFolder() : path_(fs::temp_directory_path() / fmt::format("teracell-scene-{}-{}", getpid(), reinterpret_cast<uintptr_t>(this))) {
-    fs::create_directories(path_);
-  }
-  ~SceneFolder() { fs::remove_all(path_); }
+struct SceneFolder : testing::TempFolder {
   fs::path write(const std::string& name, const std::string& text) const {
-    std::ofstream(path_ / name, std::ios::binary) << text;
-    return path_ / name;
+    std::ofstream(*this / name, std::ios::binary) << text;
+    return *this / name;
   }
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
 };
 
 }  // namespace
@@ -320,15 +302,15 @@ TEST_CASE("planes come from a file beside the scene", "[scene]") {
   CHECK(message_of().find("ascend strictly") != std::string::npos);
   folder.write("x.txt", "7");
   CHECK(message_of().find("at least 2 planes") != std::string::npos);
-  fs::remove(folder.path() / "x.txt");
+  fs::remove(folder / "x.txt");
   CHECK_THROWS_AS(read_scene(scene), IoError);
-  fs::create_symlink("/dev/zero", folder.path() / "x.txt");
+  fs::create_symlink("/dev/zero", folder / "x.txt");
   CHECK(message_of().find("x.txt: expected at most 64000000 bytes") != std::string::npos);
 }
 
 TEST_CASE("reading a scene that is not there, is a folder, or is wrong names the file", "[scene]") {
   const SceneFolder folder;
-  CHECK_THROWS_AS(read_scene(folder.path() / "none.json"), IoError);
+  CHECK_THROWS_AS(read_scene(folder / "none.json"), IoError);
   CHECK_THROWS_AS(read_scene(folder.path()), IoError);
   const fs::path scene = folder.write("scene.json", "{\n}}");
   CHECK_THROWS_WITH(read_scene(scene), Catch::Contains("scene.json: line 2"));

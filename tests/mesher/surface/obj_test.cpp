@@ -1,6 +1,5 @@
 // OBJ.
 #include "store/base/background.hpp"
-#include "tests/support/sanitized.hpp"
 #include "tests/support/surfaces.hpp"
 
 using namespace teracell;

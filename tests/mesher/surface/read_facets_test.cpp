@@ -1,8 +1,6 @@
 // What a surface file may look like, what comes out of it, and what is said when it is none.
 #include <xxhash.h>
 
-#include <iostream>
-
 #include "tests/support/surfaces.hpp"
 
 using namespace teracell;

@@ -1,29 +1,17 @@
 // Temporary files, and records that wait in them by bucket.
 #include "store/base/spill.hpp"
 
-#include <catch2/catch.hpp>
-
-#include <numeric>
-#include <random>
-
-#include <unistd.h>
-
 #include "mesher/surface/buckets.hpp"
 #include "store/base/error.hpp"
 #include "tests/support/descriptors.hpp"
+#include "tests/support/meshed.hpp"
 
 namespace teracell::mesher {
 namespace {
 
 namespace fs = std::filesystem;
 using testing::open_descriptors;
-
-// A folder of this test's own.
-struct Folder {
-  fs::path path = fs::temp_directory_path() / ("teracell-spill-" + std::to_string(getpid()));
-  Folder() { fs::create_directory(path); }
-  ~Folder() { fs::remove_all(path); }
-};
+using testing::TempFolder;
 
 std::vector<uint8_t> bytes(uint8_t first, size_t count) {
   std::vector<uint8_t> out(count);
@@ -32,9 +20,9 @@ std::vector<uint8_t> bytes(uint8_t first, size_t count) {
 }
 
 TEST_CASE("A temporary file gives back what was written, anywhere and in any order") {
-  const Folder folder;
+  const TempFolder folder;
   const bool in_memory = GENERATE(false, true);
-  SpillFile file(in_memory ? folder.path / "none" : folder.path, 0, in_memory);
+  SpillFile file(in_memory ? folder / "none" : folder.path(), 0, in_memory);
   CHECK(file.in_memory() == in_memory);
   const std::vector<uint8_t> far = bytes(3, 5000), near = bytes(200, 300), over = bytes(9, 10);
   file.write(uint64_t{1} << 33, far);  // beyond 4 GiB: a hole takes no room
@@ -52,32 +40,32 @@ TEST_CASE("A temporary file gives back what was written, anywhere and in any ord
 }
 
 TEST_CASE("A temporary file has no name while it is used, and is gone with its descriptor afterwards") {
-  const Folder folder;
+  const TempFolder folder;
   const size_t before = open_descriptors();
   for (const bool in_memory : {false, true}) {
-    SpillFile file(folder.path, 0, in_memory);
+    SpillFile file(folder.path(), 0, in_memory);
     file.write(0, bytes(0, 100));
-    CHECK(fs::is_empty(folder.path));
+    CHECK(fs::is_empty(folder.path()));
     CHECK(open_descriptors() == before + 1);
   }
   CHECK(open_descriptors() == before);
-  CHECK(fs::is_empty(folder.path));
+  CHECK(fs::is_empty(folder.path()));
 }
 
 TEST_CASE("Reading behind the end of a temporary file is an error") {
-  const Folder folder;
-  SpillFile file(folder.path, 0);
+  const TempFolder folder;
+  SpillFile file(folder.path(), 0);
   file.write(0, bytes(0, 100));
   std::vector<uint8_t> out(100);
   CHECK_THROWS_AS(file.read(1, out), IoError);
 }
 
 TEST_CASE("A folder that is not there, or has too little room, is an error that names the folder") {
-  const Folder folder;
-  CHECK_THROWS_WITH(SpillFile(folder.path / "nowhere", 0), Catch::Contains("nowhere"));
-  CHECK_THROWS_AS(SpillFile(folder.path / "nowhere", 0), IoError);
-  CHECK_THROWS_WITH(SpillFile(folder.path, ~uint64_t{0}), Catch::Contains(folder.path.string()));
-  CHECK_NOTHROW(SpillFile(folder.path, 1));
+  const TempFolder folder;
+  CHECK_THROWS_WITH(SpillFile(folder / "nowhere", 0), Catch::Contains("nowhere"));
+  CHECK_THROWS_AS(SpillFile(folder / "nowhere", 0), IoError);
+  CHECK_THROWS_WITH(SpillFile(folder.path(), ~uint64_t{0}), Catch::Contains(folder.path().string()));
+  CHECK_NOTHROW(SpillFile(folder.path(), 1));
 }
 
 struct Record {
@@ -87,11 +75,11 @@ struct Record {
 };
 
 TEST_CASE("Buckets give back their records in the order in which they were added, in memory or spilled") {
-  const Folder folder;
+  const TempFolder folder;
   std::mt19937_64 random(1);
   for (const uint64_t memory : {uint64_t{0}, 3 * sizeof(Record), uint64_t{5000}, ~uint64_t{0}}) {
     const size_t before = open_descriptors();
-    Buckets<Record> buckets(7, memory, folder.path);
+    Buckets<Record> buckets(7, memory, folder.path());
     std::vector<std::vector<Record>> expected(7);
     for (uint64_t i = 0; i < 1000; ++i) {
       const auto bucket = static_cast<uint32_t>(random() % 6);  // the last one stays empty

@@ -1,10 +1,6 @@
 // Vertices that don't fit into the memory given: the same facets.
 #include "mesher/surface/vertex_table.hpp"
 
-#include <random>
-
-#include <fmt/format.h>
-
 #include "tests/support/surfaces.hpp"
 
 using namespace teracell;

@@ -1,13 +1,8 @@
 // Lines through sample points and the facets that they cross, against each line alone.
 #include "mesher/thin/lines.hpp"
 
-#include <catch2/catch.hpp>
-
-#include <map>
-
 #include "mesher/engines/ray.hpp"
-#include "tests/support/random.hpp"
-#include "tests/support/sanitized.hpp"
+#include "tests/support/test.hpp"
 
 namespace teracell::mesher {
 namespace {

@@ -1,12 +1,7 @@
 // Stretches that join a tile's crossings.
 #include "mesher/thin/marks.hpp"
 
-#include <catch2/catch.hpp>
-
-#include <set>
-
-#include "tests/support/random.hpp"
-#include "tests/support/sanitized.hpp"
+#include "tests/support/test.hpp"
 
 namespace teracell::mesher {
 namespace {

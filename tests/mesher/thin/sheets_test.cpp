@@ -1,10 +1,4 @@
 // Sheets: the cells that a surface passes through, against rational arithmetic.
-#include <catch2/catch.hpp>
-
-#include <algorithm>
-
-#include <fmt/format.h>
-
 #include "tests/support/cube_grid.hpp"
 #include "tests/support/every_way.hpp"
 #include "tests/support/ties.hpp"

@@ -1,10 +1,7 @@
 // Sums of what lies between sample points.
 #include "mesher/thin/tally.hpp"
 
-#include <catch2/catch.hpp>
-
-#include <algorithm>
-#include <random>
+#include "tests/support/test.hpp"
 
 namespace teracell::mesher {
 namespace {

@@ -1,11 +1,4 @@
 // What lies between sample points, counted and kept, against rational arithmetic.
-#include <catch2/catch.hpp>
-
-#include <algorithm>
-#include <map>
-
-#include <fmt/format.h>
-
 #include "tests/support/cube_grid.hpp"
 #include "tests/support/every_way.hpp"
 #include "tests/support/ties.hpp"
@@ -169,9 +162,7 @@ void expect_thin(const GridReader& reader, const nlohmann::ordered_json& report,
 void expect_exact_thin(const std::vector<Body>& bodies, const Grid& grid) {
   const TempFolder folder;
   const Expected expected = expected_of(bodies, grid);
-  MeshOptions options;
-  options.thin = true;
-  for_engines_and_axes(keeping(folder, bodies, grid), options,
+  for_engines_and_axes(keeping(folder, bodies, grid), {.thin = true},
                        [&](const GridReader& reader, const auto& report) { expect_thin(reader, report, expected); });
 }
 
@@ -236,9 +227,7 @@ TEST_CASE("A gap narrower than a cell is counted by its material with --thin", "
   const TempFolder folder;
   const Grid grid = cube_grid_of(0, 1, 10);
   const Facets halves = shapes::join({shapes::box({1, 1, 1}, {9, 9, 4.75}), shapes::box({1, 1, 5}, {9, 9, 9})});
-  MeshOptions options;
-  options.thin = true;
-  for_axes(scene_of(folder, {{halves}}, grid), options, [](const GridReader&, const auto& report) {
+  for_axes(scene_of(folder, {{halves}}, grid), {.thin = true}, [](const GridReader&, const auto& report) {
     REQUIRE(report["lost_gaps"].size() == 1);
     const auto& gap = report["lost_gaps"][0];
     CHECK(gap["material"] == "m1");
@@ -260,9 +249,7 @@ TEST_CASE("What is lost and kept does not depend on threads, memory or borders o
                                     {shapes::shell_of_ties(random, 16), Rule::kEvenodd, 2},
                                     {shapes::box({0.1, 0.2, 3.3}, {17, 18, 3.4}), Rule::kNonzero, 1}};
   const Expected expected = expected_of(bodies, grid);
-  MeshOptions options;
-  options.thin = true;
-  for_chunks_threads_and_memory(keeping(folder, bodies, grid), options,
+  for_chunks_threads_and_memory(keeping(folder, bodies, grid), {.thin = true},
                                 [&](const GridReader& reader, const auto& report) { expect_thin(reader, report, expected); });
 }
 
@@ -285,9 +272,7 @@ TEST_CASE("A body with few cells or none says why", "[thin]") {
   const TempFolder folder;
   const Grid grid = cube_grid_of(0, 1, 10);
   const auto warnings = [&](const std::vector<Body>& bodies) {
-    MeshOptions options;
-    options.axis = 2;
-    const auto report = mesh_quietly(scene_of(folder, bodies, grid), folder / "g.tcell", options);
+    const auto report = mesh_quietly(scene_of(folder, bodies, grid), folder / "g.tcell", {.axis = 2});
     std::string all;
     for (const auto& w : report["warnings"]) all += w.get<std::string>() + "\n";
     return all;

@@ -1,8 +1,6 @@
 // The counts of surfaces that are looked at bin by bin, against maps and union-find over all their facets.
 #include "mesher/tiles/binned_counts.hpp"
 
-#include <catch2/catch.hpp>
-
 #include "mesher/closing/closing.hpp"
 #include "tests/mesher/tiles/tile_grids.hpp"
 #include "tests/support/counted.hpp"

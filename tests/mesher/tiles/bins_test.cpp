@@ -1,16 +1,11 @@
 // Facets on disk: what is put into bins comes back, and lies where the rays need it.
 #include "mesher/tiles/bins.hpp"
 
-#include <catch2/catch.hpp>
-
-#include <cstring>
-
 #include <unistd.h>
 
 #include "store/base/error.hpp"
 #include "tests/mesher/tiles/tile_grids.hpp"
 #include "tests/support/meshed.hpp"
-#include "tests/support/sanitized.hpp"
 
 namespace teracell::mesher {
 namespace {

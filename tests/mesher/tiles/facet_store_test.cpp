@@ -1,7 +1,7 @@
 // Facets in memory, by number, in pieces that never move.
 #include "mesher/tiles/facet_store.hpp"
 
-#include <catch2/catch.hpp>
+#include "tests/support/test.hpp"
 
 namespace teracell::mesher {
 namespace {

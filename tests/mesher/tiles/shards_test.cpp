@@ -1,12 +1,7 @@
 // How a grid is cut into parts.
-#include <catch2/catch.hpp>
-
-#include <algorithm>
-#include <numeric>
-
 #include "mesher/tiles/shards.hpp"
-#include "tests/support/random.hpp"
 #include "tests/support/stored.hpp"
+#include "tests/support/test.hpp"
 
 namespace teracell::mesher {
 namespace {

@@ -1,13 +1,7 @@
 // Surfaces that don't fit into the memory given: the same file, byte for byte.
-#include <catch2/catch.hpp>
-
-#include <fmt/format.h>
-#include <fstream>
-
 #include "store/base/error.hpp"
 #include "store/whole/verify.hpp"
 #include "tests/support/meshed.hpp"
-#include "tests/support/sanitized.hpp"
 
 namespace teracell::mesher {
 namespace {
@@ -46,9 +40,7 @@ TEST_CASE("The file's bytes do not depend on the memory given, nor on threads", 
   for (const int axis : {0, 1, 2})
     for (const uint32_t chunk_rays : {8u, 64u}) {
       if (kSanitized && (chunk_rays == 8 || axis != 1)) continue;
-      MeshOptions options;
-      options.axis = axis;
-      options.chunk_rays = chunk_rays;
+      MeshOptions options{.axis = axis, .chunk_rays = chunk_rays};
       const auto in_memory = mesh_quietly(scene, folder / "a.tcell", options);
       REQUIRE(in_memory["spilled_bytes"] == 0);
       for (const int threads : {1, 3}) {
@@ -68,9 +60,7 @@ TEST_CASE("The cells do not depend on the size of the chunks") {
   std::vector<uint32_t> first;
   for (const uint32_t chunk_rays : {64u, 4u, 12u, 256u}) {
     if (kSanitized && chunk_rays > 12) continue;
-    MeshOptions options;
-    options.chunk_rays = chunk_rays;
-    mesh_quietly(scene, folder / "g.tcell", options);
+    mesh_quietly(scene, folder / "g.tcell", {.chunk_rays = chunk_rays});
     const GridReader reader(folder / "g.tcell");
     if (first.empty()) first = all_cells(reader);
     REQUIRE(all_cells(reader) == first);
@@ -83,8 +73,7 @@ TEST_CASE("A single group of tiles takes all facets, however many there are") {
   const Grid grid{{Axis::uniform(-5, 1, 0, 10, 0.5), Axis::uniform(-5, 1, 0, 10, 0.5), Axis::uniform(-5, 1, 0, 10, 0.5)}};
   const Scene scene = scene_of(folder, {{shapes::sphere({0, 0, 0}, 4, 6)}}, grid);
   mesh_quietly(scene, folder / "a.tcell");
-  MeshOptions options;
-  options.memory = 1;
+  const MeshOptions options{.memory = 1};
   REQUIRE(mesh_quietly(scene, folder / "b.tcell", options)["spilled_bytes"] > 0);
   REQUIRE(bytes_of(folder / "a.tcell") == bytes_of(folder / "b.tcell"));
 }
@@ -98,18 +87,14 @@ TEST_CASE("An OBJ whose vertices don't fit into the memory given makes the same 
   obj.insert(obj.find("\nf ") + 1, unused);  // every facet is far from its vertices
   std::ofstream(folder / "body0.obj") << obj;
   mesh_quietly(scene, folder / "a.tcell");
-  MeshOptions options;
-  options.memory = 1;
-  mesh_quietly(scene, folder / "b.tcell", options);
+  mesh_quietly(scene, folder / "b.tcell", {.memory = 1});
   REQUIRE(bytes_of(folder / "a.tcell") == bytes_of(folder / "b.tcell"));
 }
 
 TEST_CASE("Without a folder for temporary files a large surface is an error that says so, and leaves nothing") {
   const TempFolder folder;
   const Scene scene = scene_of_many_kinds(folder);
-  MeshOptions options;
-  options.memory = 1;
-  options.tmp = folder / "nowhere";
+  const MeshOptions options{.memory = 1, .tmp = folder / "nowhere"};
   REQUIRE_THROWS_WITH(mesh_quietly(scene, folder / "g.tcell", options), Catch::Contains("nowhere"));
   REQUIRE_FALSE(std::filesystem::exists(folder / "g.tcell"));
   REQUIRE_FALSE(std::filesystem::exists(folder / "g.tcell.partial"));

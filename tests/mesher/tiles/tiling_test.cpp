@@ -1,13 +1,8 @@
 // Which facets each tile of rays is given, against looking at all of them.
 #include "mesher/tiles/tiling.hpp"
 
-#include <catch2/catch.hpp>
-
-#include <map>
-
 #include "tests/mesher/tiles/tile_grids.hpp"
 #include "tests/support/meshed.hpp"
-#include "tests/support/sanitized.hpp"
 
 namespace teracell::mesher {
 namespace {

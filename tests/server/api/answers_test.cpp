@@ -1,7 +1,4 @@
 // Which bytes an answer has, how long it is kept, and what damage does to it.
-#include <fstream>
-#include <set>
-
 #include "tests/server/served.hpp"
 #include "tests/support/served_cells.hpp"
 #include "tests/support/small_files.hpp"
@@ -19,8 +16,7 @@ TEST_CASE("ETags come from the grid's content; an answer to an address with a ve
   CHECK(versioned.cache_control == "public, max-age=31536000, immutable");
   CHECK(first.etag == versioned.etag);
   CHECK(first.etag.front() == '"');
-  Request again;
-  again.target = tile;
+  Request again{.target = tile};
   for (const std::string& match : {first.etag, "\"x\", " + first.etag, "W/" + first.etag, std::string("*")}) {
     again.if_none_match = match;
     const Response r = handle(*s.service, again);
@@ -29,8 +25,7 @@ TEST_CASE("ETags come from the grid's content; an answer to an address with a ve
   }
   again.if_none_match = "\"other\"";
   CHECK(handle(*s.service, again).status == 200);
-  Request json_request;
-  json_request.target = "/api/v1/grids/g";
+  Request json_request{.target = "/api/v1/grids/g"};
   const Response raw = handle(*s.service, json_request);
   json_request.accepts_gzip = true;
   const Response gzipped = handle(*s.service, json_request);
@@ -53,8 +48,7 @@ TEST_CASE("The handler of a service answers at once what the cache has", "[serve
 
 TEST_CASE("A repeated request is answered at once, until the file is replaced", "[server]") {
   Served s;
-  Request request;
-  request.target = "/api/v1/grids/g/tile/z/3/0/0_0.bin";
+  const Request request{.target = "/api/v1/grids/g/tile/z/3/0/0_0.bin"};
   CHECK_FALSE(handle_at_once(*s.service, request));
   const Response made = handle(*s.service, request);
   const auto again = handle_at_once(*s.service, request);
@@ -71,21 +65,11 @@ TEST_CASE("A repeated request is answered at once, until the file is replaced", 
 TEST_CASE("Answers that need a damaged chunk are 500; each is counted, there is one complaint, and other answers are unaffected", "[server]") {
   Served s;
   std::vector<std::string> complaints;
-  ServiceOptions options;
-  options.named = {s.path};
-  options.complain = [&](const std::string& message) { complaints.push_back(message); };
   const auto entry = s.service->grids().find("g")->reader().entry({0, 0, 0, 0});
   REQUIRE(entry->size > 0);
-  std::fstream file(s.path, std::ios::in | std::ios::out | std::ios::binary);
-  file.seekp(static_cast<std::streamoff>(entry->offset + entry->size / 2));
-  file.put('\x55').put('\xaa').put('\x55');
-  file.close();
-  Service service(options);
-  const auto status = [&](const std::string& target) {
-    Request r;
-    r.target = target;
-    return handle(service, r).status;
-  };
+  damage(s.path, entry->offset + entry->size / 2);
+  Service service({.named = {s.path}, .complain = [&](const std::string& message) { complaints.push_back(message); }});
+  const auto status = [&](const std::string& target) { return handle(service, {.target = target}).status; };
   for (int i = 0; i < 3; ++i) CHECK(status("/api/v1/grids/g/tile/z/0/0/0_0.png") == 500);
   CHECK(status("/api/v1/grids/g/tile/z/0/0/0_1.png") == 200);
   CHECK(status("/api/v1/grids/g/stats") == 200);
@@ -96,15 +80,12 @@ TEST_CASE("Answers that need a damaged chunk are 500; each is counted, there is 
 
 TEST_CASE("A grid that was replaced or removed while its file was closed is looked at when it is asked for", "[server]") {
   const TempFolder folder;
-  const auto axis = Axis::uniform(0, 1, 0, 8, 0.5);
   const auto store = [&](const char* name, Label label) {
-    store_cells(folder / name, metadata_of({{axis, axis, axis}}, 2, 3), std::vector<Label>(512, label));
+    store_cells(folder / name, metadata_of(cube_grid_of(0, 1, 8), 2, 3), std::vector<Label>(512, label));
   };
   store("a.tcell", 1);
   store("b.tcell", 1);
-  ServiceOptions options;
-  options.named = {folder.path()};
-  options.open_files = 1;
+  ServiceOptions options{.named = {folder.path()}, .open_files = 1};
   options.cache_bytes = 0;  // so that each answer reads the file
   Service service(options);
   const auto get = [&](const std::string& target) { return handle(service, Request{.target = target}); };
@@ -123,11 +104,9 @@ TEST_CASE("A grid that was replaced or removed while its file was closed is look
 // What a service answers for a file.
 Response answer_of(const Bytes& file, const std::string& target) {
   const TempFolder folder;
-  std::ofstream(folder / "g.tcell", std::ios::binary).write(reinterpret_cast<const char*>(file.data()), static_cast<std::streamsize>(file.size()));
+  write_bytes(folder / "g.tcell", file);
   Service service({.named = {folder.path()}});
-  Request request;
-  request.target = target;
-  return handle(service, request);
+  return handle(service, {.target = target});
 }
 
 TEST_CASE("The description of a grid is answered if and only if verify passes its report", "[server]") {
@@ -191,17 +170,14 @@ struct LongColumn {
   std::unique_ptr<Service> service;
   std::vector<std::string> complaints;
   explicit LongColumn(int64_t cells) {
-    const auto axis = [](int64_t n) { return Axis::uniform(0, 1, 0, n, 0.5); };
-    Metadata meta = metadata_of({{axis(1), axis(1), axis(cells)}}, 2, 2);
+    Metadata meta = metadata_of(unit_grid({1, 1, cells}), 2, 2);
     meta.chunk_cells = 4096;
     meta.materials[1].name = std::string(256, '"');
     std::vector<Label> labels(static_cast<size_t>(cells));
     for (size_t i = 0; i < labels.size(); ++i) labels[i] = i % 2;
     store_cells(path, meta, labels);
-    ServiceOptions options;
-    options.named = {path};
-    options.complain = [&](const std::string& message) { complaints.push_back(message); };
-    service = std::make_unique<Service>(options);
+    service =
+        std::make_unique<Service>(ServiceOptions{.named = {path}, .complain = [&](const std::string& message) { complaints.push_back(message); }});
   }
   Request request{.target = "/api/v1/grids/g/column/z/0_0"};
   Response get() const { return handle(*service, request); }
@@ -252,10 +228,7 @@ TEST_CASE("The parts of an answer go on when their grid is replaced or gone", "[
 TEST_CASE("Damage behind the first parts of an answer ends it, and is counted and complained of", "[server]") {
   LongColumn s(30'000);
   const auto entry = s.service->grids().find("g")->reader().entry({0, 0, 0, 6});
-  std::fstream file(s.path, std::ios::in | std::ios::out | std::ios::binary);
-  file.seekp(static_cast<std::streamoff>(entry->offset + entry->size / 2));
-  file.put('\x55').put('\xaa').put('\x55');
-  file.close();
+  damage(s.path, entry->offset + entry->size / 2);
   s.service->grids().look();
   const Response r = s.get();
   REQUIRE(r.status == 200);
@@ -269,8 +242,7 @@ TEST_CASE("Damage behind the first parts of an answer ends it, and is counted an
 
 TEST_CASE("A client that accepts gzip gets it, whatever other clients asked for before, and the cache keeps it", "[server]") {
   Served s;
-  Request request;
-  request.target = "/api/v1/grids/g/tile/z/3/0/0_0.bin";
+  Request request{.target = "/api/v1/grids/g/tile/z/3/0/0_0.bin"};
   const Response plain = handle(*s.service, request);
   CHECK(plain.content_encoding.empty());
   request.accepts_gzip = true;
@@ -285,16 +257,12 @@ TEST_CASE("A client that accepts gzip gets it, whatever other clients asked for 
 }
 
 TEST_CASE("With a token, proxies may not keep answers for others", "[server]") {
-  ServiceOptions options;
-  options.anybody = false;
-  Served s(2, options);
+  Served s(2, {.anybody = false});
   CHECK(s.get("/api/v1/grids/g/tile/z/0/0/0_0.png?v=" + s.hash()).cache_control == "private, max-age=31536000, immutable");
 }
 
 TEST_CASE("The caches stay within their limit", "[server]") {
-  ServiceOptions options;
-  options.cache_bytes = 200000;
-  Served s(1, options);
+  Served s(1, {.cache_bytes = 200000});
   for (int z = 0; z < 21; ++z)
     for (const char* kind : {"png", "bin"}) REQUIRE(s.get(fmt::format("/api/v1/grids/g/tile/z/{}/0/0_0.{}", z, kind)).status == 200);
   CHECK(s.service->chunks().counts().bytes <= 200000);
@@ -303,9 +271,7 @@ TEST_CASE("The caches stay within their limit", "[server]") {
 }
 
 TEST_CASE("The pages of all grids share the cache", "[server]") {
-  ServiceOptions options;
-  options.cache_bytes = 128000;
-  Served s(1, options);
+  Served s(1, {.cache_bytes = 128000});
   for (int i = 0; i < 40; ++i) std::filesystem::copy_file(s.path, s.folder / ("copy" + std::to_string(i) + ".tcell"));
   s.service->grids().look();
   for (int i = 0; i < 40; ++i) REQUIRE(s.get("/api/v1/grids/copy" + std::to_string(i) + "/stats").status == 200);
@@ -320,8 +286,7 @@ TEST_CASE("The pages of all grids share the cache", "[server]") {
 
 TEST_CASE("Neither a look before prefetching nor waiting for an answer counts as a hit", "[server]") {
   Served s;
-  Request request;
-  request.target = "/api/v1/grids/g/tile/z/3/0/0_0.bin";
+  Request request{.target = "/api/v1/grids/g/tile/z/3/0/0_0.bin"};
   CHECK_FALSE(s.service->is_cached(request));
   handle(*s.service, request);
   CHECK(s.service->is_cached(request));

@@ -23,14 +23,10 @@ struct ServedBodies {
 
   ServedBodies(const Grid& grid, std::vector<Label> of_cells, uint32_t bodies) : cells(std::move(of_cells)), meta(with_bodies(grid, bodies)) {
     store_cells(folder / "g.tcell", meta, cells);
-    ServiceOptions options;
-    options.named = {folder.path()};
-    service = std::make_unique<Service>(options);
+    service = std::make_unique<Service>(ServiceOptions{.named = {folder.path()}});
   }
   std::string get(const std::string& target) {
-    Request request;
-    request.target = "/api/v1/grids/g/" + target;
-    const Response response = handle(*service, request);
+    const Response response = handle(*service, {.target = "/api/v1/grids/g/" + target});
     INFO(target);
     REQUIRE(response.status == 200);
     return *response.body;
@@ -137,8 +133,7 @@ TEST_CASE("A grid that keeps materials has no bodies to tell of", "[server]") {
   }
   CHECK(!s.parsed("/api/v1/grids/g/cell?i=0&j=0&k=0").contains("bodies"));
   ServedBodies apart = random_bodies();
-  Request request;
-  request.target = "/api/v1/grids/g/tile/z/0/0/0_0.bin?bodies=1";
+  const Request request{.target = "/api/v1/grids/g/tile/z/0/0/0_0.bin?bodies=1"};
   CHECK(handle(*apart.service, request).status == 400);
 }
 

@@ -1,6 +1,4 @@
 // Differences of two grids over HTTP.
-#include <map>
-
 #include "tests/server/served.hpp"
 
 namespace teracell::server {

@@ -1,15 +1,11 @@
 // Small forged files whose chunks, names or pages become large: what an answer takes beside the cache. (tests/siege serves thousands of
 // files, and measures time, too.)
-#include <fstream>
-
-#include <catch2/catch.hpp>
-
 #include "server/api/routes.hpp"
 #include "tests/siege/forged_files.hpp"
 #include "tests/siege/targets.hpp"
 #include "tests/support/meshed.hpp"
 #include "tests/support/peak.hpp"
-#include "tests/support/sanitized.hpp"
+#include "tests/support/stored.hpp"
 
 namespace teracell::server {
 namespace {
@@ -26,21 +22,15 @@ TEST_CASE("Whatever is asked of a forged file of 64 kB, the answer takes at most
       continue;
     const auto file = hand_made_file(number);
     REQUIRE(file);
-    std::ofstream(folder / "g.tcell", std::ios::binary)
-        .write(reinterpret_cast<const char*>(file->bytes.data()), static_cast<std::streamsize>(file->bytes.size()));
-    ServiceOptions options;
-    options.named = {folder / "g.tcell"};
-    options.cache_bytes = size_t{16} << 20;
-    Service service(options);
+    write_bytes(folder / "g.tcell", file->bytes);
+    Service service({.named = {folder / "g.tcell"}, .cache_bytes = size_t{16} << 20});
     const auto grid = service.grids().find("g");
     const std::vector<std::string> targets = targets_of(grid->meta(), grid->reader().levels());
     for (size_t i = 0; i < targets.size(); i += 11) {
       const std::string& target = targets[i];
       if (target.find("slice") != std::string::npos && grid->meta().grid.cells()[2] > 1 << 24) continue;  // a second each
-      Request request;
-      request.target = target;
       int status = 0;
-      const int64_t peak = peak_memory_of([&] { status = handle(service, request).status; });
+      const int64_t peak = peak_memory_of([&] { status = handle(service, {.target = target}).status; });
       if (peak > (int64_t{256 + 16} << 20)) FAIL(name << ": " << target << " takes " << peak << " bytes");
       if (status >= 500 && status != 500) FAIL(name << ": " << target << " is answered with " << status);
     }

@@ -1,9 +1,6 @@
 // The description of the interface, compared with the answers.
 #include "server/api/openapi.hpp"
 
-#include <fstream>
-#include <set>
-
 #include "server/api/answers.hpp"
 #include "server/parts/slice_picture.hpp"
 #include "server/render/options.hpp"

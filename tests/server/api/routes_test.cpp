@@ -1,8 +1,6 @@
 // Requests made by hand, and answers compared with the cells.
 #include "server/api/routes.hpp"
 
-#include <fstream>
-
 #include "store/check/check_json.hpp"
 #include "tests/server/served.hpp"
 #include "tests/support/png.hpp"
@@ -183,9 +181,7 @@ TEST_CASE("Outlines are where neighbours differ, also across the edge of a tile"
 }
 
 TEST_CASE("Pictures of too many pixels are refused before anything is made", "[server]") {
-  ServiceOptions options;
-  options.max_pixels = 10000;
-  Served s(2, options);
+  Served s(2, {.max_pixels = 10000});
   CHECK(s.get("/api/v1/grids/g/slice/z/0.png").status == 400);
   CHECK(s.get("/api/v1/grids/g/slice/z/0.png?region=0,0,37,270").status == 200);
   CHECK(s.get("/api/v1/grids/g/slice/z/0.png?level=1").status == 200);
@@ -194,17 +190,12 @@ TEST_CASE("Pictures of too many pixels are refused before anything is made", "[s
 TEST_CASE("A part of a column is asked for with from and to", "[server]") {
   const TempFolder folder;
   constexpr int64_t kLong = 80'000;
-  const auto axis = [](int64_t n) { return Axis::uniform(0, 1, 0, n, 0.5); };
-  const Metadata meta = metadata_of({{axis(1), axis(1), axis(kLong)}}, 2, 2);
+  const Metadata meta = metadata_of(unit_grid({1, 1, kLong}), 2, 2);
   std::vector<Label> cells(kLong);
   for (size_t i = 0; i < cells.size(); ++i) cells[i] = i % 2;
   store_cells(folder / "g.tcell", meta, cells);
   Service service({.named = {folder.path()}});
-  const auto get = [&](const std::string& query) {
-    Request request;
-    request.target = "/api/v1/grids/g/column/z/0_0" + query;
-    return handle(service, request);
-  };
+  const auto get = [&](const std::string& query) { return handle(service, {.target = "/api/v1/grids/g/column/z/0_0" + query}); };
   const json part = json::parse(*get("?from=12345&to=12347").body);
   CHECK(part["runs"] == json::array({{{"from", 12345}, {"to", 12346}, {"min", 12345.0}, {"max", 12346.0}, {"material", 1}, {"name", "m1"}},
                                      {{"from", 12346}, {"to", 12347}, {"min", 12346.0}, {"max", 12347.0}, {"material", 0}, {"name", "m0"}}}));

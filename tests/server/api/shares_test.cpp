@@ -1,8 +1,4 @@
 // Shares of materials over HTTP: in arrays of Zarr, and of a cell.
-#include <catch2/catch.hpp>
-
-#include <fmt/format.h>
-
 #include "store/channels/fraction_reader.hpp"
 #include "tests/server/served.hpp"
 #include "tests/support/served_cells.hpp"
@@ -18,9 +14,8 @@ struct ServedShares {
   std::unique_ptr<server::Service> service;
   std::unique_ptr<GridReader> reader;
   explicit ServedShares(bool with_fractions = true, bool by_body = false) {
-    const Grid space{{Axis::uniform(0, 1, 0, 70, 0.5), Axis::uniform(0, 1, 0, 40, 0.5), Axis::uniform(0, 1, 0, 67, 0.5)}};
-    mesher::MeshOptions options;
-    options.axis = 0;
+    const Grid space = unit_grid({70, 40, 67});
+    mesher::MeshOptions options{.axis = 0};
     if (with_fractions) options.fractions = Subdivision{2, 4, 2};
     const std::vector<oracle::Body> bodies = {{shapes::sphere({30, 20, 30}, 13.3, 3), oracle::Rule::kNonzero, 1},
                                               {shapes::box({28.2, 10.6, 21.9}, {69.1, 30.4, 60.2}), oracle::Rule::kNonzero, 2}};
@@ -29,16 +24,10 @@ struct ServedShares {
     scene.materials[1].color = "#ff0000", scene.materials[2].color = "#0000ff";
     scene.materials[2].name = "a/b";  // no segment of a path
     mesh_quietly(scene, folder / "g.tcell", options);
-    server::ServiceOptions served;
-    served.named = {folder.path()};
-    service = std::make_unique<server::Service>(served);
+    service = std::make_unique<server::Service>(server::ServiceOptions{.named = {folder.path()}});
     reader = std::make_unique<GridReader>(folder / "g.tcell");
   }
-  Response get(const std::string& target) const {
-    Request r;
-    r.target = target;
-    return handle(*service, r);
-  }
+  Response get(const std::string& target) const { return handle(*service, {.target = target}); }
   json parsed(const std::string& target) const {
     const Response r = get(target);
     REQUIRE(r.status == 200);

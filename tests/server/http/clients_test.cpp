@@ -1,8 +1,7 @@
 // Who a client is.
 #include "server/http/clients.hpp"
 
-#include <fmt/format.h>
-#include <catch2/catch.hpp>
+#include "tests/support/test.hpp"
 
 namespace teracell::server {
 namespace {

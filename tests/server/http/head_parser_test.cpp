@@ -1,8 +1,7 @@
 // Requests as bytes: in pieces, and several in a row.
 #include "server/http/head_parser.hpp"
 
-#include <fmt/format.h>
-#include <catch2/catch.hpp>
+#include "tests/support/test.hpp"
 
 using namespace teracell;
 using namespace teracell::server;

@@ -1,7 +1,7 @@
 // Host names and origins: what is one, and which of them a server takes.
 #include "server/http/host.hpp"
 
-#include <catch2/catch.hpp>
+#include "tests/support/test.hpp"
 
 using namespace teracell;
 using namespace teracell::server;

@@ -1,10 +1,6 @@
 // What clients share, what they have to wait for, and what ends their waiting.
-#include <csignal>
-
-#include <fmt/format.h>
-#include <catch2/catch.hpp>
-
 #include "tests/server/http/listening.hpp"
+#include "tests/support/pipe.hpp"
 #include "tests/support/stored.hpp"
 
 using namespace teracell;
@@ -154,10 +150,9 @@ TEST_CASE("while clients are slow to take much, nothing more is made", "[server]
 }
 
 TEST_CASE("the log tells what was sent of a body", "[server][listener][log]") {
-  int ends[2];
-  REQUIRE(pipe(ends) == 0);
+  testing::Pipe log;
   {
-    Fixture f({}, ends[1]);
+    Fixture f({}, log.in);
     HttpClient c = f.client();
     c.get("/a");
     CHECK(c.answer().body.size() == 22);
@@ -167,10 +162,7 @@ TEST_CASE("the log tells what was sent of a body", "[server][listener][log]") {
     big.get("/big");
     REQUIRE(soon([&] { return f.metrics.held_bytes > 0; }));
   }
-  close(ends[1]);
-  std::string text(4096, '\0');
-  text.resize(static_cast<size_t>(std::max<ssize_t>(0, read(ends[0], text.data(), text.size()))));
-  close(ends[0]);
+  const std::string text = log.rest();
   CHECK(text.find(" GET /a 200 22 ") != std::string::npos);
   CHECK(text.find(" HEAD /a 200 0 ") != std::string::npos);
   const size_t at = text.find(" GET /big 200 ");
@@ -181,10 +173,9 @@ TEST_CASE("the log tells what was sent of a body", "[server][listener][log]") {
 
 TEST_CASE("a log that nobody reads costs lines, no answers", "[server][listener][threads]") {
   std::signal(SIGPIPE, SIG_IGN);  // as the program does
-  int ends[2];
-  REQUIRE(pipe(ends) == 0);
+  testing::Pipe log;
   {
-    Fixture f({}, ends[1]);
+    Fixture f({}, log.in);
     HttpClient c = f.client();
     const std::string target = "/" + std::string(1000, 'a');
     int good = 0;
@@ -194,9 +185,8 @@ TEST_CASE("a log that nobody reads costs lines, no answers", "[server][listener]
     }
     CHECK(good == 1400);
     CHECK(f.log.dropped() > 0);
-    close(ends[0]);  // so that the end needs no patience
+    log.close_out();  // so that the end needs no patience
   }
-  close(ends[1]);
 }
 
 TEST_CASE("stopping does not wait for a client that takes nothing", "[server][listener][threads]") {

@@ -1,8 +1,6 @@
 // Answers that are made in parts as they are taken.
-#include <fmt/format.h>
-#include <catch2/catch.hpp>
-
 #include "tests/server/http/listening.hpp"
+#include "tests/support/pipe.hpp"
 
 using namespace teracell;
 using namespace teracell::server;
@@ -50,10 +48,9 @@ TEST_CASE("to a client of HTTP/1.0 the end of the connection is the end of an an
 }
 
 TEST_CASE("an answer whose next part can't be made is cut so that the client notices, and log and metrics say so", "[server][listener][threads]") {
-  int ends[2];
-  REQUIRE(pipe(ends) == 0);
+  testing::Pipe log;
   {
-    Fixture f({.work_timeout = 300ms}, ends[1]);
+    Fixture f({.work_timeout = 300ms}, log.in);
     for (const char* target : {"/parts/damaged", "/parts/no_memory", "/parts/endless"})
       for (const char* version : {"1.1", "1.0"}) {
         INFO(target << " " << version);
@@ -69,10 +66,7 @@ TEST_CASE("an answer whose next part can't be made is cut so that the client not
     CHECK(soon([&] { return f.metrics.held_bytes == 0; }));
     CHECK(f.get("/cold").status == 200);
   }
-  close(ends[1]);
-  std::string text(4096, '\0');
-  text.resize(static_cast<size_t>(std::max<ssize_t>(0, read(ends[0], text.data(), text.size()))));
-  close(ends[0]);
+  const std::string text = log.rest();
   CHECK(text.find(" GET /parts/damaged 200 ") != std::string::npos);
   size_t cut = 0;
   for (size_t at = 0; (at = text.find(" parts cut\n", at)) != std::string::npos; ++at) ++cut;

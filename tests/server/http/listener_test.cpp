@@ -1,13 +1,7 @@
 // Requests and answers over real sockets.
 #include <sys/resource.h>
 
-#include <csignal>
-
-#include <fmt/format.h>
-#include <catch2/catch.hpp>
-
 #include "tests/server/http/listening.hpp"
-#include "tests/support/sanitized.hpp"
 #include "tests/support/stored.hpp"
 
 using namespace teracell;
@@ -239,8 +233,7 @@ TEST_CASE("below a base path", "[server][listener]") {
 
 TEST_CASE("a port in use, and a host that is not this machine's", "[server][listener]") {
   Fixture f;
-  ListenerOptions o;
-  o.port = static_cast<uint16_t>(std::stoi(f.listener->url().substr(17)));
+  ListenerOptions o{.port = static_cast<uint16_t>(std::stoi(f.listener->url().substr(17)))};
   CHECK_THROWS_WITH(Listener(o, {}, f.metrics, f.log), Catch::Contains("Address already in use") && Catch::Contains("another port"));
   o.host = "192.0.2.1";
   CHECK_THROWS_WITH(Listener(o, {}, f.metrics, f.log), Catch::Contains("192.0.2.1"));
@@ -252,16 +245,13 @@ TEST_CASE("a listener for which there are too few descriptors is an error, and i
   if (kSanitized) return;  // the sanitizers look at pointers through a pipe, for which there is no descriptor either
   Metrics metrics;
   AccessLog log(LogFormat::kNone, 2);
-  ListenerOptions o;
-  o.port = 0;
-  o.threads = 8;
   rlimit limit{};
   REQUIRE(getrlimit(RLIMIT_NOFILE, &limit) == 0);
   const rlimit few{teracell::testing::open_descriptors() + 8, limit.rlim_max};
   REQUIRE(setrlimit(RLIMIT_NOFILE, &few) == 0);
   std::string message;
   try {
-    Listener(o, {}, metrics, log);
+    Listener({.port = 0, .threads = 8}, {}, metrics, log);
   } catch (const IoError& e) {
     message = e.what();
   }
@@ -291,11 +281,7 @@ TEST_CASE("many clients at once, answers that change meanwhile, then a stop", "[
   std::atomic<int> turn{0};
   Metrics metrics;
   AccessLog log(LogFormat::kNone, 2);
-  ListenerOptions o;
-  o.port = 0;
-  o.threads = 3;
-  o.allowed_hosts = {"*"};
-  Listener listener(o,
+  Listener listener({.port = 0, .threads = 3, .allowed_hosts = {"*"}},
                     with_operations({[&](const Request& r) { return turn++ % 3 ? std::optional(answer(r)) : std::nullopt; }, answer}, metrics,
                                     [] { return ServerState{}; }),
                     metrics, log);

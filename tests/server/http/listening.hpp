@@ -6,16 +6,9 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include <atomic>
-#include <condition_variable>
-#include <future>
-#include <mutex>
-#include <thread>
-
-#include <fmt/format.h>
-
 #include "server/http/listener.hpp"
 #include "store/base/wanted.hpp"
+#include "tests/support/test.hpp"
 
 namespace teracell::server {
 

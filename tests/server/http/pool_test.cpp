@@ -1,14 +1,7 @@
 // Threads that clients share in turns, for cheap and for dear work.
 #include "server/http/pool.hpp"
 
-#include <atomic>
-#include <condition_variable>
-#include <cstdlib>
-#include <mutex>
-#include <new>
-#include <string>
-
-#include <catch2/catch.hpp>
+#include "tests/support/test.hpp"
 
 namespace {
 

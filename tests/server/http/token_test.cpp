@@ -3,10 +3,6 @@
 
 #include <sys/stat.h>
 
-#include <fstream>
-
-#include <catch2/catch.hpp>
-
 #include "store/base/error.hpp"
 #include "tests/support/meshed.hpp"
 

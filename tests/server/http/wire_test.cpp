@@ -1,7 +1,7 @@
 // Heads of requests and of responses as text.
 #include "server/http/wire.hpp"
 
-#include <catch2/catch.hpp>
+#include "tests/support/test.hpp"
 
 using namespace teracell;
 using namespace teracell::server;

@@ -1,13 +1,7 @@
 // The texts of /metrics and /healthz, read line by line as Prometheus reads them.
 #include "server/operations/metrics.hpp"
 
-#include <map>
-#include <set>
-#include <sstream>
-#include <thread>
-
-#include <fmt/format.h>
-#include <catch2/catch.hpp>
+#include "tests/support/test.hpp"
 
 using namespace teracell;
 using namespace teracell::server;

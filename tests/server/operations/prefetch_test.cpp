@@ -1,10 +1,7 @@
 // The neighbours of a tile that was looked at are fetched while nothing else is made.
 #include "server/operations/prefetch.hpp"
 
-#include <algorithm>
-#include <atomic>
-
-#include <catch2/catch.hpp>
+#include "tests/support/test.hpp"
 
 namespace teracell::server {
 namespace {

@@ -1,14 +1,9 @@
 // The page without a server: which files there are, what lists the grids in them, and what is refused.
 #include "server/page/static_page.hpp"
 
-#include <fstream>
-#include <iterator>
-
-#include <catch2/catch.hpp>
-#include <nlohmann/json.hpp>
-
 #include "tests/support/gzip.hpp"
 #include "tests/support/meshed.hpp"
+#include "tests/support/stored.hpp"
 
 namespace teracell::server {
 namespace {
@@ -25,24 +20,9 @@ std::span<const EmbeddedFile> page() {
   return files;
 }
 
-class Memory final : public ByteSource {
- public:
-  Memory(std::string name, std::string bytes) : name_(std::move(name)), bytes_(std::move(bytes)) {}
-  uint64_t size() const override { return bytes_.size(); }
-  const std::string& name() const override { return name_; }
-  void read(uint64_t offset, std::span<uint8_t> out) const override {
-    std::copy_n(bytes_.begin() + static_cast<std::ptrdiff_t>(offset), out.size(), out.begin());
-  }
-
- private:
-  std::string name_, bytes_;
+struct Memory : MemorySource {
+  Memory(std::string name, const std::string& bytes) : MemorySource({bytes.begin(), bytes.end()}, std::move(name)) {}
 };
-
-std::string contents_of(const std::filesystem::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  REQUIRE(in);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
 
 void write(const std::filesystem::path& path, const std::string& text) { std::ofstream(path, std::ios::binary) << text; }
 
@@ -81,10 +61,10 @@ TEST_CASE("a folder has the page, its licences, the grids, and an index that lis
   write_site(page(), "licences", {{"a b.tcell", "", &a}, {"far.tcell", "https://example.org/far.tcell", nullptr}}, folder / "site",
              [&](double s) { share = s; });
   CHECK(share == 1);
-  CHECK(contents_of(folder / "site/assets/main.js") == "let a = 1;");
-  CHECK(contents_of(folder / "site/NOTICE") == "licences");
-  CHECK(contents_of(folder / "site/a b.tcell") == std::string(3 << 20, 'x'));
-  CHECK(list_in(contents_of(folder / "site/index.html")) ==
+  CHECK(bytes_of(folder / "site/assets/main.js") == "let a = 1;");
+  CHECK(bytes_of(folder / "site/NOTICE") == "licences");
+  CHECK(bytes_of(folder / "site/a b.tcell") == std::string(3 << 20, 'x'));
+  CHECK(list_in(bytes_of(folder / "site/index.html")) ==
         nlohmann::json::parse(
             R"([{"name": "a b.tcell", "address": "a%20b.tcell"}, {"name": "far.tcell", "address": "https://example.org/far.tcell"}])"));
 }
@@ -96,11 +76,11 @@ TEST_CASE("what was found in a grid travels with it", "[server][static_page]") {
   const std::vector<PageGrid> grids = {{"a.tcell", "", &a}, {"b c.tcell", "", &b, findings, "1234"}};
   write_site(page(), "", grids, folder / "site", kSilent);
   write_whole_page(page(), grids, folder / "g.html", kSilent);
-  CHECK(contents_of(folder / "site/b c.check.json") == findings);
+  CHECK(bytes_of(folder / "site/b c.check.json") == findings);
   CHECK(!std::filesystem::exists(folder / "site/a.check.json"));
-  CHECK(list_in(contents_of(folder / "site/index.html")) ==
+  CHECK(list_in(bytes_of(folder / "site/index.html")) ==
         nlohmann::json::parse(R"([{"name": "a.tcell", "address": "a.tcell"}, {"name": "b c.tcell", "address": "b%20c.tcell", "checked": "1234"}])"));
-  const std::string html = contents_of(folder / "g.html");
+  const std::string html = bytes_of(folder / "g.html");
   CHECK(list_in(html)[1]["checked"] == "1234");
   CHECK(html.find(R"(</script>
 <script id="findings-1" type="application/json">{"name":"\u003c/script>"}</script>)") != html.npos);
@@ -114,8 +94,8 @@ TEST_CASE("a folder may be written again, and its grids may lie in it already", 
   write(folder / "site/other.txt", "stays");
   const InputFile grid(folder / "site/g.tcell");
   for (int i = 0; i < 2; ++i) write_site(page(), "", {{"g.tcell", "", &grid}}, folder / "site", kSilent);
-  CHECK(contents_of(folder / "site/g.tcell") == "grid");
-  CHECK(contents_of(folder / "site/other.txt") == "stays");
+  CHECK(bytes_of(folder / "site/g.tcell") == "grid");
+  CHECK(bytes_of(folder / "site/other.txt") == "stays");
 }
 
 TEST_CASE("a folder with another page, and two grids of one name, are refused before anything is written", "[server][static_page]") {
@@ -146,7 +126,7 @@ TEST_CASE("one file holds the grids, to the last byte", "[server][static_page]")
     for (size_t i = 0; i < size; ++i) bytes += static_cast<char>(i * 7919 >> 3);
     const Memory a("a", bytes), b("</script><b>", "second");
     write_whole_page(page(), {{"a", "", &a}, {"</script><b>", "", &b}}, folder / "g.html", kSilent);
-    const std::string html = contents_of(folder / "g.html");
+    const std::string html = bytes_of(folder / "g.html");
     CHECK(held(html, 0) == bytes);
     CHECK(held(html, 1) == "second");
     CHECK(list_in(html) == nlohmann::json({{{"name", "a"}, {"bytes", size}}, {{"name", "</script><b>"}, {"bytes", 6}}}));

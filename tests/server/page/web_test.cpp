@@ -1,10 +1,6 @@
 // The page: the paths that it answers and the fields of the answers, from the program and from a folder.
 #include "server/page/web.hpp"
 
-#include <fstream>
-
-#include <catch2/catch.hpp>
-
 #include "server/http/wire.hpp"
 #include "server/service/target.hpp"
 #include "tests/support/gzip.hpp"

@@ -1,8 +1,6 @@
 // Boxes in parts against the cells one by one.
 #include "server/parts/box_parts.hpp"
 
-#include <catch2/catch.hpp>
-
 #include "store/grid/vtk_header.hpp"
 #include "store/text/npy_header.hpp"
 #include "tests/support/meshed.hpp"
@@ -28,12 +26,9 @@ TEST_CASE("The parts of a box are a header, the cells in the order z, y, x, and 
   std::mt19937_64 random(8);
   // Several layers are read at once, rows of a layer, or parts of a row.
   for (const Index3& n : {Index3{70, 50, 40}, Index3{1500, 900, 2}, Index3{1'100'000, 2, 1}}) {
-    const auto axis = [&](int d) { return Axis::uniform(3, 0.5, 0, n[d], 0.5); };
-    const Metadata meta = metadata_of({{axis(0), axis(1), axis(2)}}, 1, 3);
+    const Metadata meta = metadata_of(uniform_grid(3, 0.5, n), 1, 3);
     const auto cells = random_cells(random, n, 3);
-    const TempFolder folder;
-    store_cells(folder / "g.tcell", meta, cells);
-    const GridReader reader(folder / "g.tcell");
+    const GridReader reader = reader_of(meta, cells);
     for (int i = 0; i < 4; ++i) {
       Box box{{0, 0, 0}, n};
       if (i > 0)

@@ -1,8 +1,6 @@
 // Columns in parts against the same columns made at once.
 #include "server/parts/column_parts.hpp"
 
-#include <catch2/catch.hpp>
-
 #include "server/service/deflate.hpp"
 #include "store/whole/info.hpp"
 #include "tests/support/meshed.hpp"
@@ -28,9 +26,8 @@ std::pair<std::string, int> joined_parts(Parts& parts) {
 
 TEST_CASE("The parts of a column are those of the whole one, whatever the ray axis, and with gzip", "[server]") {
   constexpr int64_t kLong = 20'000;
-  const auto axis = [](int64_t n) { return Axis::uniform(0, 0.1, 0, n, 0.5); };
   for (const int ray_axis : {0, 1, 2}) {
-    Metadata meta = metadata_of({{axis(2), axis(kLong), axis(3)}}, ray_axis, 3);
+    Metadata meta = metadata_of(uniform_grid(0, 0.1, {2, kLong, 3}), ray_axis, 3);
     meta.chunk_cells = 64, meta.chunk_rays = 16;
     meta.materials[1].name = std::string(256, '"');
     std::vector<Label> cells(static_cast<size_t>(2 * 3 * kLong));
@@ -41,9 +38,7 @@ TEST_CASE("The parts of a column are those of the whole one, whatever the ray ax
       if (same-- == 0) label = static_cast<Label>((label + 1) % 3), same = random() % 500 == 0 ? 6000 : static_cast<int64_t>(random() % 2) * 6;
       c = label;
     }
-    const TempFolder folder;
-    store_cells(folder / "g.tcell", meta, cells);
-    const GridReader reader(folder / "g.tcell");
+    const GridReader reader = reader_of(meta, cells);
     const auto check = [&](int along, int64_t a, int64_t b, int64_t from, int64_t to) {
       const std::string whole = column_json(meta, along, a, b, read_column(reader, along, a, b, from, to));
       const auto [plain, n] = joined_parts(*column_parts(reader, along, a, b, from, to));

@@ -1,12 +1,8 @@
 // Pictures in parts against the same pictures made at once.
 #include "server/parts/picture_parts.hpp"
 
-#include <fmt/format.h>
-#include <catch2/catch.hpp>
-
 #include "server/picture/picture.hpp"
 #include "tests/support/meshed.hpp"
-#include "tests/support/sanitized.hpp"
 #include "tests/support/stored.hpp"
 
 namespace teracell::server {
@@ -44,11 +40,10 @@ struct Stored {
   TempFolder folder;
   std::optional<GridReader> reader;
   Stored(const Index3& n, int ray_axis, uint32_t labels) {
-    const auto axis = [](int64_t cells) { return Axis::uniform(0, 1, 0, cells, 0.5); };
     std::vector<Label> cells(static_cast<size_t>(n[0] * n[1] * n[2]));
     std::mt19937_64 random(3);
     for (Label& c : cells) c = static_cast<Label>(random() % labels);
-    Metadata meta = metadata_of({{axis(n[0]), axis(n[1]), axis(n[2])}}, ray_axis, labels);
+    Metadata meta = metadata_of(unit_grid(n), ray_axis, labels);
     for (uint32_t m = 0; m < labels; ++m) meta.materials[m].color = fmt::format("#{:02x}{:02x}00", 20 * m, 255 - 9 * m);
     store_cells(folder / "g.tcell", meta, cells);
     reader.emplace(folder / "g.tcell");

@@ -1,11 +1,6 @@
 // Pictures are decoded: every pixel has its colour, whatever the number of bits per pixel.
 #include "server/picture/picture.hpp"
 
-#include <random>
-
-#include <fmt/format.h>
-#include <catch2/catch.hpp>
-
 #include "tests/support/png.hpp"
 
 namespace teracell::server {

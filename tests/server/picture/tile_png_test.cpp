@@ -1,13 +1,7 @@
 // Tiles are decoded: every pixel has its colour, whatever the runs, the row lengths and the number of colours.
 #include "server/picture/tile_png.hpp"
 
-#include <random>
-#include <set>
-
-#include <catch2/catch.hpp>
-
 #include "tests/support/png.hpp"
-#include "tests/support/sanitized.hpp"
 
 namespace teracell::server {
 namespace {

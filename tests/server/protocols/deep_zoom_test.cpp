@@ -1,7 +1,4 @@
 // Deep Zoom: every pixel of every tile of every level.
-#include <fmt/format.h>
-#include <catch2/catch.hpp>
-
 #include "tests/support/pixels.hpp"
 
 namespace teracell::server {
@@ -53,8 +50,7 @@ TEST_CASE("Deep Zoom: several tiles on a side", "[server]") {
 
 TEST_CASE("Deep Zoom: a slice across the longest axis has fewer levels than the grid, one along it no more", "[server]") {
   for (const Index3& n : {Index3{1, 1, 1}, Index3{1, 1, 9}, Index3{2, 1, 1}, Index3{5, 4, 1}, Index3{64, 64, 64}, Index3{65, 2, 3}}) {
-    const auto axis = [&](size_t d) { return Axis::uniform(0, 1, 0, n[d], 0.5); };
-    ServedCells served({{axis(0), axis(1), axis(2)}}, 2, 3);
+    ServedCells served(unit_grid(n), 2, 3);
     for (int a = 0; a < 3; ++a) check_slice(served, a, n[static_cast<size_t>(a)] - 1);
   }
 }

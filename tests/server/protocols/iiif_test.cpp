@@ -1,7 +1,4 @@
 // IIIF, level 0: all that info.json offers exists, with the right pixels, and nothing else does.
-#include <fmt/format.h>
-#include <catch2/catch.hpp>
-
 #include "tests/support/pixels.hpp"
 
 namespace teracell::server {
@@ -82,10 +79,7 @@ TEST_CASE("IIIF: several tiles; the whole picture is there at scales within the 
 
 TEST_CASE("IIIF: the address of a slice leads to its info.json, whose id is absolute, behind a proxy as well", "[server]") {
   ServedCells served(odd_grid(), 1, 6, 0, "\xC3\xA4 b");
-  server::Request request;
-  request.target = "/iiif/%C3%A4%20b-z-3";
-  request.origin = "https://example.org";
-  request.prefix = "/grids";
+  server::Request request{.target = "/iiif/%C3%A4%20b-z-3", .origin = "https://example.org", .prefix = "/grids"};
   const Response r = served.get(request);
   REQUIRE(r.status == 303);
   REQUIRE(r.location == "https://example.org/grids/iiif/%C3%A4%20b-z-3/info.json");

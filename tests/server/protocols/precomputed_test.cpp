@@ -1,9 +1,4 @@
 // Neuroglancer precomputed: every block of every size on every level, smaller at the edges.
-#include <algorithm>
-
-#include <fmt/format.h>
-#include <catch2/catch.hpp>
-
 #include "store/read/slice.hpp"
 #include "tests/support/served_cells.hpp"
 
@@ -56,8 +51,7 @@ void check_all(ServedCells& served) {
 TEST_CASE("Precomputed: every cell of every level in blocks of every size, smaller at the edges", "[server]") {
   ServedCells narrow(odd_grid(), 2, 7);
   check_all(narrow);
-  const auto axis = [](int64_t n) { return Axis::uniform(0, 1, 0, n, 0.5); };
-  ServedCells wide({{axis(300), axis(9), axis(270)}}, 0, 9, 253);  // several blocks on a side, two bytes per id
+  ServedCells wide(unit_grid({300, 9, 270}), 0, 9, 253);  // several blocks on a side, two bytes per id
   check_all(wide);
 }
 

@@ -1,11 +1,4 @@
 // What all protocols promise: answers that can be cached, and no invented cells.
-#include <fstream>
-#include <set>
-
-#include <fmt/format.h>
-#include <catch2/catch.hpp>
-#include <nlohmann/json.hpp>
-
 #include "server/api/routes.hpp"
 #include "server/protocols/protocols.hpp"
 #include "tests/support/served_cells.hpp"
@@ -38,9 +31,7 @@ TEST_CASE("Protocols: an answer has a strong ETag and is not sent twice; with a 
   const std::string hash = GridReader(served.file()).hash();
   for (const std::string& address : kAddresses) {
     INFO(address);
-    server::Request request;
-    request.target = address;
-    request.origin = "http://host:8080";
+    server::Request request{.target = address, .origin = "http://host:8080"};
     const Response first = served.get(request);
     REQUIRE(first.status == 200);
     REQUIRE(first.etag.starts_with('"'));
@@ -59,8 +50,7 @@ TEST_CASE("Protocols: an answer has a strong ETag and is not sent twice; with a 
 
 TEST_CASE("Protocols: what does not exist stays missing when a client claims to have it", "[server]") {
   ServedCells served(odd_grid(), 2, 4);
-  server::Request request;
-  request.if_none_match = "*";
+  server::Request request{.if_none_match = "*"};
   for (const char* address : {"/zarr/g/0/c/9/9/9", "/zarr2/g/0/9/9/9", "/xarray/g/0/x/9", "/precomputed/g/s0/0-1_0-1_0-1",
                               "/dzi/g/z/0_files/99/0_0.png", "/iiif/g-y-3/1,1,1,1/1,1/0/default.png"}) {
     request.target = address;
@@ -70,23 +60,12 @@ TEST_CASE("Protocols: what does not exist stays missing when a client claims to 
 
 TEST_CASE("Protocols: HTTP compresses what the protocol does not", "[server]") {
   ServedCells served(odd_grid(), 2, 4);
-  server::Request request;
-  request.accepts_gzip = true;
-  request.target = "/precomputed/g/s0/0-70_0-130_5-6";
+  server::Request request{.target = "/precomputed/g/s0/0-70_0-130_5-6", .accepts_gzip = true};
   const Response r = served.get(request);
   REQUIRE(r.content_encoding == "gzip");
   REQUIRE(inflated(*r.body, 70 * 130) == *served.get(request.target).body);
   request.target = "/zarr/g/0/c/0/0/0";
   REQUIRE(served.get(request).content_encoding.empty());
-}
-
-// Changes one byte of a file.
-void damage(const std::filesystem::path& path, uint64_t at) {
-  std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary);
-  file.seekg(static_cast<std::streamoff>(at));
-  const char was = static_cast<char>(file.get());
-  file.seekp(static_cast<std::streamoff>(at));
-  file.put(static_cast<char>(was ^ 0x40));
 }
 
 TEST_CASE("Protocols: where a damaged chunk is needed the answer is an error, never 404 and never a fill value", "[server]") {
@@ -107,9 +86,7 @@ TEST_CASE("Protocols: where a damaged chunk is needed the answer is an error, ne
   server::Service service({.named = {served.file()}});
   std::set<std::string> broken;
   for (const auto& [address, bytes] : sound) {
-    server::Request request;
-    request.target = address;
-    const Response r = handle(service, request);
+    const Response r = handle(service, {.target = address});
     if (r.status != 200) {
       REQUIRE(r.status == 500);
       REQUIRE_FALSE(r.body->empty());
@@ -122,8 +99,7 @@ TEST_CASE("Protocols: where a damaged chunk is needed the answer is an error, ne
   REQUIRE(broken.count("/zarr2/g/0/0/0/0") == 1);
   REQUIRE(broken.count("/xarray/g/0/label/0/0/0") == 1);
   REQUIRE(broken.size() < sound.size() / 2);
-  server::Request request;
-  request.target = "/zarr/g/zarr.json";
+  const server::Request request{.target = "/zarr/g/zarr.json"};
   REQUIRE(server::handle(service, request).status == 200);
 }
 

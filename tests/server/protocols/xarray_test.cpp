@@ -1,7 +1,4 @@
 // Zarr v2 for xarray: every cell of every level, and where it lies.
-#include <algorithm>
-#include <bit>
-
 #include "tests/support/zarr2_arrays.hpp"
 
 namespace teracell::server {

@@ -1,9 +1,4 @@
 // Zarr v3: a client that knows only the documents reads every cell of every level.
-#include <algorithm>
-
-#include <fmt/format.h>
-#include <catch2/catch.hpp>
-
 #include "tests/support/served_cells.hpp"
 
 namespace teracell::server {
@@ -26,25 +21,12 @@ std::vector<uint32_t> read_array(ServedCells& served, const std::string& array) 
   const size_t width = j["data_type"] == "uint16" ? 2 : 1;
   if (width == 2) REQUIRE(j["codecs"][0]["configuration"]["endian"] == "little");
   const auto n = j["shape"].get<std::vector<int64_t>>(), c = j["chunk_grid"]["configuration"]["chunk_shape"].get<std::vector<int64_t>>();
-  std::vector<uint32_t> out(static_cast<size_t>(n[0] * n[1] * n[2]));
-  bool padding = false;
-  for (int64_t kz = 0; kz * c[0] < n[0]; ++kz)
-    for (int64_t ky = 0; ky * c[1] < n[1]; ++ky)
-      for (int64_t kx = 0; kx * c[2] < n[2]; ++kx) {
-        const Response r = served.get(fmt::format("{}/c/{}/{}/{}", array, kz, ky, kx));
-        REQUIRE(r.status == 200);
-        REQUIRE(r.content_encoding.empty());
-        const auto ids = ids_of(inflated(*r.body, static_cast<size_t>(c[0] * c[1] * c[2]) * width), width);
-        size_t i = 0;
-        for (int64_t z = kz * c[0]; z < (kz + 1) * c[0]; ++z)
-          for (int64_t y = ky * c[1]; y < (ky + 1) * c[1]; ++y)
-            for (int64_t x = kx * c[2]; x < (kx + 1) * c[2]; ++x, ++i) {
-              if (z < n[0] && y < n[1] && x < n[2]) out[static_cast<size_t>((z * n[1] + y) * n[2] + x)] = ids[i];
-              else padding |= ids[i] != 0;
-            }
-      }
-  REQUIRE_FALSE(padding);
-  return out;
+  return joined_blocks(n, c, [&](int64_t kz, int64_t ky, int64_t kx) {
+    const Response r = served.get(fmt::format("{}/c/{}/{}/{}", array, kz, ky, kx));
+    REQUIRE(r.status == 200);
+    REQUIRE(r.content_encoding.empty());
+    return ids_of(inflated(*r.body, static_cast<size_t>(c[0] * c[1] * c[2]) * width), width);
+  });
 }
 
 TEST_CASE("Zarr v3: every cell of every level, as an image and as labels of it, whatever the ray axis", "[server]") {

@@ -1,11 +1,6 @@
 // The first cell on a line of sight, against a search through all cells.
 #include "server/render/first_hit.hpp"
 
-#include <cmath>
-#include <limits>
-
-#include <catch2/catch.hpp>
-
 #include "store/read/kept_chunks.hpp"
 #include "tests/support/meshed.hpp"
 #include "tests/support/stored.hpp"
@@ -211,13 +206,10 @@ TEST_CASE("the first visible cell of a line of sight is that of a search through
 
 TEST_CASE("cells that take at most a quarter of a pixel are drawn unless a level is asked for", "[render]") {
   // A plate one cell thick, half of which lies in each coarse cell: the coarser the cell, the earlier it is met.
-  const Axis axis = Axis::uniform(0, 1, 0, 64, 0.5);
-  const Grid grid{{axis, axis, axis}};
+  const Grid grid = cube_grid_of(0, 1, 64);
   std::vector<Label> cells(64 * 64 * 64);
   for (size_t i = 0; i < 64 * 64; ++i) cells[47 * 64 * 64 + i] = 1;
-  const TempFolder folder;
-  store_cells(folder / "g", metadata_of(grid, 2, 2), cells);
-  const GridReader reader(folder / "g");
+  const GridReader reader = reader_of(metadata_of(grid, 2, 2), cells);
   const Visible visible({false, true});
   const Occupancy occupancy(reader, visible, 0, 1);
   const Subject subject{reader, visible, occupancy, {}, std::nullopt};

@@ -1,11 +1,6 @@
 // Whole pictures.
 #include "server/render/render.hpp"
 
-#include <cmath>
-#include <map>
-
-#include <catch2/catch.hpp>
-
 #include "server/render/encode.hpp"
 #include "server/render/options.hpp"
 #include "store/read/kept_chunks.hpp"

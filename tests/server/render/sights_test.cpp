@@ -1,12 +1,6 @@
 // What the pixels show, as numbers, against the picture of the same pixels.
 #include "server/render/sights.hpp"
 
-#include <bit>
-#include <cmath>
-#include <map>
-
-#include <catch2/catch.hpp>
-
 #include "server/render/options.hpp"
 #include "store/base/bytes.hpp"
 #include "store/read/kept_chunks.hpp"
@@ -171,9 +165,7 @@ TEST_CASE("the windows of a picture, side by side, are the picture; threads make
 }
 
 TEST_CASE("nothing in sight, and an eye inside a body", "[render]") {
-  const TempFolder folder;
-  store_cells(folder / "g", metadata_of(cube_grid(0, 1, 8), 0, 2), std::vector<Label>(512, 1));
-  const GridReader reader(folder / "g");
+  const GridReader reader = reader_of(metadata_of(cube_grid(0, 1, 8), 0, 2), std::vector<Label>(512, 1));
   for (const auto& [words, label] : std::vector<std::pair<std::map<std::string, std::string, std::less<>>, uint32_t>>{
            {{{"size", "5,4"}, {"from", "0.5,0.5,0.5"}, {"at", "0.7,0.5,0.5"}}, 2}, {{{"size", "5,4"}, {"labels", ""}}, 0}}) {
     const RenderOptions options = options_of(reader, words);

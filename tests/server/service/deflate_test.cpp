@@ -1,10 +1,6 @@
 // zlib itself reads back what was compressed.
 #include "server/service/deflate.hpp"
 
-#include <random>
-
-#include <catch2/catch.hpp>
-
 #include "tests/support/served_cells.hpp"
 
 namespace teracell::server {

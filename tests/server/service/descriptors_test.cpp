@@ -1,9 +1,8 @@
 // The shares of connections and files, and what is said when there are too few descriptors.
 #include "server/service/descriptors.hpp"
 
-#include <catch2/catch.hpp>
-
 #include "store/base/error.hpp"
+#include "tests/support/test.hpp"
 
 namespace teracell::server {
 namespace {

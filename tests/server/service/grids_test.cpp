@@ -1,14 +1,6 @@
 // Which grids are served, and what happens when files are added, removed and replaced.
 #include "server/service/grids_watch.hpp"
 
-#include <atomic>
-#include <fstream>
-#include <thread>
-
-#include <fmt/format.h>
-
-#include <catch2/catch.hpp>
-
 #include "server/service/message.hpp"
 #include "tests/support/meshed.hpp"
 #include "tests/support/stored.hpp"
@@ -18,7 +10,7 @@ namespace {
 
 using namespace testing;
 
-const Grid kGrid{{Axis::uniform(0, 1, 0, 5, 0.5), Axis::uniform(0, 1, 0, 6, 0.5), Axis::uniform(0, 1, 0, 7, 0.5)}};
+const Grid kGrid = unit_grid({5, 6, 7});
 
 void store(const std::filesystem::path& path, Label filling) { store_cells(path, metadata_of(kGrid, 2, 3), std::vector<Label>(5 * 6 * 7, filling)); }
 

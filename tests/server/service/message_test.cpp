@@ -1,7 +1,7 @@
 // Responses that say what went wrong, and the ETags that a client names.
 #include "server/service/message.hpp"
 
-#include <catch2/catch.hpp>
+#include "tests/support/test.hpp"
 
 using namespace teracell;
 using namespace teracell::server;

@@ -4,12 +4,6 @@
 #include <fcntl.h>
 #include <sys/stat.h>
 
-#include <fstream>
-#include <thread>
-
-#include <fmt/format.h>
-#include <catch2/catch.hpp>
-
 #include "tests/support/descriptors.hpp"
 #include "tests/support/meshed.hpp"
 

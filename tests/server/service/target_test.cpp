@@ -1,11 +1,8 @@
 // Addresses are split; every percent-encoding is decoded once, and everything else is refused.
 #include "server/service/target.hpp"
 
-#include <random>
-
-#include <catch2/catch.hpp>
-
 #include "server/service/message.hpp"
+#include "tests/support/test.hpp"
 
 namespace teracell::server {
 namespace {

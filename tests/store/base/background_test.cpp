@@ -1,11 +1,6 @@
 #include "store/base/background.hpp"
 
-#include <future>
-#include <memory>
-#include <stdexcept>
-#include <vector>
-
-#include <catch2/catch.hpp>
+#include "tests/support/test.hpp"
 
 using namespace teracell;
 

@@ -1,20 +1,12 @@
 // Files and folders: a name appears only for what is complete, and nothing else is left behind.
-#include "store/base/file.hpp"
-#include "store/base/output_file.hpp"
-#include "store/base/output_folder.hpp"
-
-#include <cerrno>
-#include <csignal>
-#include <fstream>
-#include <map>
-
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
-#include <catch2/catch.hpp>
-
+#include "store/base/file.hpp"
+#include "store/base/output_file.hpp"
+#include "store/base/output_folder.hpp"
 #include "tests/support/meshed.hpp"
 #include "tests/support/stored.hpp"
 

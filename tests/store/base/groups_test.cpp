@@ -1,9 +1,7 @@
 // Groups: the least thing stands for all that were joined, in whatever order.
 #include "store/base/groups.hpp"
 
-#include <random>
-
-#include <catch2/catch.hpp>
+#include "tests/support/test.hpp"
 
 namespace teracell {
 namespace {

@@ -1,15 +1,7 @@
 // Work by several threads, taken in order.
 #include "store/base/in_order.hpp"
 
-#include <atomic>
-#include <chrono>
-#include <memory>
-#include <numeric>
-#include <random>
-#include <stdexcept>
-#include <string>
-
-#include <catch2/catch.hpp>
+#include "tests/support/test.hpp"
 
 namespace teracell {
 namespace {

@@ -1,13 +1,7 @@
 // The cache: what is asked for stays, the rest makes room, whoever asks; and a value is made once however many ask.
 #include "store/base/lru_cache.hpp"
 
-#include <atomic>
-#include <stdexcept>
-#include <string>
-#include <thread>
-#include <vector>
-
-#include <catch2/catch.hpp>
+#include "tests/support/test.hpp"
 
 namespace teracell {
 namespace {

@@ -1,15 +1,11 @@
 // Work that is stopped because nobody waits for it.
 #include "store/base/wanted.hpp"
 
-#include <atomic>
-#include <thread>
-
-#include <catch2/catch.hpp>
-
 #include "store/base/in_order.hpp"
 #include "store/base/lru_cache.hpp"
 #include "store/read/stats.hpp"
 #include "tests/support/stored.hpp"
+#include "tests/support/test.hpp"
 
 namespace teracell {
 namespace {

@@ -1,12 +1,8 @@
 // The plane that stands for a surface in a mixed cell.
 #include "store/channels/cut_plane.hpp"
 
-#include <cmath>
-
-#include <catch2/catch.hpp>
-
+#include "tests/support/cube_grid.hpp"
 #include "tests/support/meshed.hpp"
-#include "tests/support/random.hpp"
 
 namespace teracell {
 namespace {
@@ -44,7 +40,6 @@ TEST_CASE("A plane's constant cuts the share off a cube", "[fractions]") {
 }
 
 TEST_CASE("Planes of a sphere look outwards and lie on it, on uniform and graded axes", "[fractions]") {
-  const TempFolder folder;
   for (const bool graded : {false, true}) {
     Grid grid;
     for (int d = 0; d < 3; ++d) {
@@ -52,10 +47,7 @@ TEST_CASE("Planes of a sphere look outwards and lie on it, on uniform and graded
       for (int i = 0; i <= 30; ++i) planes.push_back(graded && d == 1 ? i + 2 * std::sin(i / 5.0) : i);
       grid.axis[d] = graded ? Axis::graded(planes, 0.5) : Axis::uniform(0, 1, 0, 30, 0.5);
     }
-    mesher::MeshOptions options;
-    options.fractions = Subdivision{8, 8, 8};
-    mesh_quietly(scene_of(folder, {{shapes::sphere({15, 15, 15}, 10.3, 5)}}, grid), folder / "g.tcell", options);
-    const GridReader reader(folder / "g.tcell");
+    const GridReader reader = meshed_reader({{shapes::sphere({15, 15, 15}, 10.3, 5)}}, grid, {.fractions = Subdivision{8, 8, 8}});
     const FractionReader fractions(reader);
     int planes = 0;
     double steepest = 0, farthest = 0;
@@ -89,13 +81,8 @@ TEST_CASE("Planes of a sphere look outwards and lie on it, on uniform and graded
 }
 
 TEST_CASE("What is not mixed has no plane", "[fractions]") {
-  const TempFolder folder;
-  Grid grid;
-  for (int d = 0; d < 3; ++d) grid.axis[d] = Axis::uniform(0, 1, 0, 4, 0.5);
-  mesher::MeshOptions options;
-  options.fractions = Subdivision{2, 2, 2};
-  mesh_quietly(scene_of(folder, {{shapes::box({-1, -1, -1}, {1.5, 5, 5})}}, grid), folder / "g.tcell", options);
-  const GridReader reader(folder / "g.tcell");
+  const Grid grid = cube_grid_of(0, 1, 4);
+  const GridReader reader = meshed_reader({{shapes::box({-1, -1, -1}, {1.5, 5, 5})}}, grid, {.fractions = Subdivision{2, 2, 2}});
   const FractionReader fractions(reader);
   CHECK_FALSE(cut_plane(fractions, grid, {0, 0, 0}, 1));
   CHECK_FALSE(cut_plane(fractions, grid, {3, 3, 3}, 1));

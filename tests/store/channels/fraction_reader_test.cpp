@@ -1,14 +1,10 @@
 // Shares of materials in boxes of cells.
 #include "store/channels/fraction_reader.hpp"
 
-#include <algorithm>
-
-#include <catch2/catch.hpp>
-
 #include "store/read/query.hpp"
 #include "store/teracell.h"
+#include "tests/support/cube_grid.hpp"
 #include "tests/support/meshed.hpp"
-#include "tests/support/random.hpp"
 
 namespace teracell {
 namespace {
@@ -69,15 +65,10 @@ TEST_CASE("Shares of a box are those of its cells one by one, sum to one, and ar
 }
 
 TEST_CASE("In means a sheet's cell keeps the value of its material, which has no share in it", "[fractions]") {
-  const TempFolder folder;
-  const Axis axis = Axis::uniform(0, 1, 0, 10, 0.5);
   std::vector<oracle::Body> bodies = {{shapes::sphere({4, 5, 5}, 3.3, 2)},
                                       {shapes::box({6.3, 1.2, 1.2}, {8.4, 8.7, 8.7}), oracle::Rule::kNonzero, 2}};
   bodies[1].sheet = true;
-  mesher::MeshOptions options;
-  options.fractions = Subdivision{4, 4, 4};
-  mesh_quietly(scene_of(folder, bodies, {{axis, axis, axis}}), folder / "g.tcell", options);
-  const GridReader reader(folder / "g.tcell");
+  const GridReader reader = meshed_reader(bodies, cube_grid_of(0, 1, 10), {.fractions = Subdivision{4, 4, 4}});
   const std::vector<uint32_t> cells = all_cells(reader);
   const double values[] = {1, 5, 40};
   std::vector<double> means(1000);
@@ -117,10 +108,8 @@ TEST_CASE("A grid without fractions says so", "[fractions]") {
   const FractionScene scene(0);
   mesher::MeshOptions options = scene.options;
   options.fractions.reset();
-  const TempFolder folder;
-  mesh_quietly(scene_of(folder, {{shapes::box({1, 1, 1}, {5, 5, 5})}}, scene.grid), folder / "plain.tcell", options);
-  const GridReader reader(folder / "plain.tcell");
-  REQUIRE_THROWS_WITH(FractionReader(reader), Catch::Contains("plain.tcell: the grid has no fractions"));
+  const GridReader reader = meshed_reader({{shapes::box({1, 1, 1}, {5, 5, 5})}}, scene.grid, options);
+  REQUIRE_THROWS_WITH(FractionReader(reader), Catch::Contains("memory.tcell: the grid has no fractions"));
 }
 
 }  // namespace

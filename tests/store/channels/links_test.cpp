@@ -1,13 +1,9 @@
 // Links of a chunk to bytes and back; and bytes that no encoder wrote.
 #include "store/channels/links.hpp"
 
-#include <algorithm>
-
-#include <catch2/catch.hpp>
-
 #include "store/format/format.hpp"
-#include "tests/support/random.hpp"
-#include "tests/support/sanitized.hpp"
+#include "tests/support/cube_grid.hpp"
+#include "tests/support/test.hpp"
 
 namespace teracell {
 namespace {
@@ -18,7 +14,7 @@ using namespace testing;
 Metadata links_of_one_chunk(int64_t nu, int64_t nv, int64_t length) {
   Metadata meta;
   meta.ray_axis = 2;
-  meta.grid = {{Axis::uniform(0, 1, 0, nu, 0.5), Axis::uniform(0, 1, 0, nv, 0.5), Axis::uniform(0, 1, 0, length, 0.5)}};
+  meta.grid = unit_grid({nu, nv, length});
   meta.materials = {{"air", "#00000000", 1}, {"steel", "#112233", 0}};
   meta.labels = {{0, ""}, {1, ""}};
   for (int i = 0; i < 10; ++i) meta.patches.push_back({std::to_string(i), "", 1});

@@ -1,14 +1,8 @@
 // Shares of mixed cells to bytes and back; and bytes that no encoder wrote.
 #include "store/channels/mixed_cells.hpp"
 
-#include <algorithm>
-#include <numeric>
-
-#include <catch2/catch.hpp>
-
 #include "store/format/format.hpp"
-#include "tests/support/random.hpp"
-#include "tests/support/sanitized.hpp"
+#include "tests/support/test.hpp"
 
 namespace teracell {
 namespace {

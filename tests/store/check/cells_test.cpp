@@ -1,11 +1,6 @@
 // What is found in the cells, against a search cell by cell.
 #include "store/check/cells.hpp"
 
-#include <algorithm>
-#include <map>
-
-#include <catch2/catch.hpp>
-
 #include "store/read/kept_chunks.hpp"
 #include "tests/support/cube_grid.hpp"
 #include "tests/support/meshed.hpp"
@@ -140,9 +135,7 @@ TEST_CASE("walls, components and cells at the sides are those of a search, whate
     const auto side = [&] { return static_cast<int64_t>(1 + random() % (round % 2 ? 30 : 12)); };
     const uint32_t labels = 2 + round % 3;
     const Cells cells = random_scene(random, {side(), side(), side()}, labels);
-    Metadata meta =
-        metadata_of({{Axis::uniform(0, 1, 0, cells.n[0], 0.5), Axis::uniform(0, 1, 0, cells.n[1], 0.5), Axis::uniform(0, 1, 0, cells.n[2], 0.5)}},
-                    round % 3, labels);
+    Metadata meta = metadata_of(unit_grid(cells.n), round % 3, labels);
     if (round % 4 != 3) meta = with_tiny_chunks(meta);
     const auto file = folder / std::to_string(round);
     store_cells(file, meta, cells.labels);

@@ -1,11 +1,6 @@
 // The document of what is found, and the sentences in it.
 #include "store/check/check.hpp"
 
-#include <fstream>
-
-#include <catch2/catch.hpp>
-#include <nlohmann/json.hpp>
-
 #include "store/base/error.hpp"
 #include "store/check/check_json.hpp"
 #include "store/check/kept.hpp"

@@ -1,10 +1,6 @@
 // The differences of two grids: exact for any axes of rays, chunks, threads and memory, held against the cells one by one.
 #include "store/compare/difference.hpp"
 
-#include <map>
-
-#include <fmt/format.h>
-
 #include "store/whole/info.hpp"
 #include "store/whole/verify.hpp"
 #include "store/write/tree_order.hpp"
@@ -152,8 +148,7 @@ TEST_CASE("differences are those of the cells, for all axes of rays, sizes of ch
 
 TEST_CASE("layers across the rays of one grid, of which no memory holds all turned") {
   std::mt19937_64 random(1);
-  Grid grid;
-  for (size_t d = 0; d < 3; ++d) grid.axis[d] = Axis::uniform(0, 1, 0, std::array<int64_t, 3>{100, 9, 300}[d], 0.5);
+  const Grid grid = unit_grid({100, 9, 300});
   Named a{{}, {"air", "steel"}}, b = a;
   Checked::for_cells(grid.box(0), [&](int64_t x, int64_t, int64_t z) {
     a.cells.push_back(static_cast<Label>(z & 1));
@@ -170,8 +165,7 @@ TEST_CASE("layers across the rays of one grid, of which no memory holds all turn
 TEST_CASE("a grid has no differences from itself, and all of its cells from one of another material") {
   std::mt19937_64 random(2);
   for (const int64_t side : {1, 2, 7, 30}) {
-    Grid grid;
-    for (Axis& axis : grid.axis) axis = Axis::uniform(-1, 0.5, 0, side, 0.5);
+    const Grid grid = cube_grid_of(-1, 0.5, side);
     const Named a = random_named(random, grid, {"air", "steel"});
     const Named other{std::vector<Label>(a.cells.size(), 0), {"water"}};
     const TempFolder folder;
@@ -186,8 +180,7 @@ TEST_CASE("a grid has no differences from itself, and all of its cells from one 
 }
 
 TEST_CASE("labels that keep bodies apart are compared by their materials") {
-  Grid grid;
-  for (Axis& axis : grid.axis) axis = Axis::uniform(0, 1, 0, 6, 0.5);
+  const Grid grid = cube_grid_of(0, 1, 6);
   std::mt19937_64 random(3);
   const Named a = random_named(random, grid, {"air", "steel", "steel"});
   Named b = a;
@@ -233,8 +226,7 @@ TEST_CASE("cells are equal when all lines between them are, however they are des
 }
 
 TEST_CASE("names too long for both in one are cut, and stay different") {
-  Grid grid;
-  for (Axis& axis : grid.axis) axis = Axis::uniform(0, 1, 0, 2, 0.5);
+  const Grid grid = cube_grid_of(0, 1, 2);
   const std::string longest(250, 'n');
   const Named a{{0, 1, 0, 1, 0, 1, 0, 1}, {longest + "a", longest + "b"}}, b{{0, 0, 0, 0, 0, 0, 0, 0}, {"ä" + longest}};
   const TempFolder folder;
@@ -251,8 +243,7 @@ TEST_CASE("names too long for both in one are cut, and stay different") {
 }
 
 TEST_CASE("more pairs of materials than are asked for are refused") {
-  Grid grid;
-  for (Axis& axis : grid.axis) axis = Axis::uniform(0, 1, 0, 2, 0.5);
+  const Grid grid = cube_grid_of(0, 1, 2);
   const Named a{{0, 0, 1, 1, 0, 0, 0, 0}, {"air", "steel"}}, b{{0, 1, 0, 2, 0, 0, 0, 0}, {"air", "steel", "gold"}};
   const TempFolder folder;
   stored(folder / "a.tcell", grid, a, {2, 4, 4});
@@ -267,8 +258,7 @@ TEST_CASE("more pairs of materials than are asked for are refused") {
 }
 
 TEST_CASE("when it is stopped, no file is left") {
-  Grid grid;
-  for (Axis& axis : grid.axis) axis = Axis::uniform(0, 1, 0, 20, 0.5);
+  const Grid grid = cube_grid_of(0, 1, 20);
   std::mt19937_64 random(4);
   const Named a = random_named(random, grid, {"air", "steel"}), b = random_named(random, grid, {"air", "steel"});
   const TempFolder folder;

@@ -1,13 +1,9 @@
 // Files that say too much, under right checksums: refused when they are opened, or when they are verified and read; and what
 // the longest report that is allowed costs.
-#include <fmt/format.h>
-#include <catch2/catch.hpp>
-
 #include "store/runs/chunk_codec.hpp"
 #include "store/whole/info.hpp"
 #include "tests/support/assembled.hpp"
 #include "tests/support/peak.hpp"
-#include "tests/support/sanitized.hpp"
 #include "tests/support/small_files.hpp"
 
 namespace teracell {
@@ -77,7 +73,7 @@ TEST_CASE("Names, units and their sums are bounded in files, and in what is writ
   const std::string longest(256, 'n'), longer = longest + 'n';
   const auto refused = [&](const std::function<void(Metadata&)>& lie, const std::string& because) {
     REQUIRE_THROWS_WITH(reader_of(forge(file, {.metadata = lie})), Catch::StartsWith("memory.tcell: metadata: ") && Catch::Contains(because));
-    Metadata meta = metadata_of(cubic(3, 3, 3), 2, 3);
+    Metadata meta = metadata_of(unit_grid({3, 3, 3}), 2, 3);
     lie(meta);
     const TempFolder folder;
     REQUIRE_THROWS_WITH(GridWriter(folder / "g.tcell", meta), Catch::Contains(because));

@@ -1,12 +1,9 @@
 // The index of a channel that has frames for chunks.
 #include "store/format/cell_frames.hpp"
 
-#include <catch2/catch.hpp>
-
 #include "store/whole/verify.hpp"
 #include "store/write/writer.hpp"
 #include "tests/support/meshed.hpp"
-#include "tests/support/random.hpp"
 #include "tests/support/small_files.hpp"
 
 namespace teracell {

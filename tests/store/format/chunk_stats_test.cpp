@@ -1,11 +1,8 @@
 // The statistics of a chunk against counting its cells.
 #include "store/format/chunk_stats.hpp"
 
-#include <map>
-
-#include <catch2/catch.hpp>
-
 #include "tests/support/blocks.hpp"
+#include "tests/support/test.hpp"
 
 namespace teracell {
 namespace {

@@ -1,10 +1,8 @@
 // Header, footer, directory and page: to bytes and back, damaged, and with numbers that lie.
 #include "store/format/format.hpp"
 
-#include <catch2/catch.hpp>
-
-#include "tests/support/sanitized.hpp"
 #include "tests/support/stored.hpp"
+#include "tests/support/test.hpp"
 
 namespace teracell {
 namespace {

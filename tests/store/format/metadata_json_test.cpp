@@ -1,12 +1,9 @@
 // Metadata: to JSON and back, damaged, with strange channels, and with numbers that lie.
 #include "store/format/metadata_json.hpp"
 
-#include <catch2/catch.hpp>
-#include <nlohmann/json.hpp>
-
 #include "store/format/format.hpp"
-#include "tests/support/sanitized.hpp"
 #include "tests/support/stored.hpp"
+#include "tests/support/test.hpp"
 
 namespace teracell {
 namespace {

@@ -1,13 +1,8 @@
 // Axes and grids: the last bit of every coordinate, and which cell or centre a coordinate meets.
 #include "store/grid/grid.hpp"
 
-#include <cmath>
-#include <limits>
-#include <random>
-
-#include <catch2/catch.hpp>
-
 #include "store/base/error.hpp"
+#include "tests/support/test.hpp"
 
 namespace teracell {
 namespace {

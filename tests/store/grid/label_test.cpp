@@ -1,12 +1,7 @@
 // Sets of labels and their ids.
 #include "store/grid/label.hpp"
 
-#include <algorithm>
-#include <iterator>
-#include <random>
-#include <set>
-
-#include <catch2/catch.hpp>
+#include "tests/support/test.hpp"
 
 namespace teracell {
 namespace {

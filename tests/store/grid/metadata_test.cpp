@@ -1,14 +1,15 @@
 // The shape of a level: chunks and pages against counting them one by one.
 #include "store/grid/metadata.hpp"
 
-#include <catch2/catch.hpp>
+#include "tests/support/cube_grid.hpp"
+#include "tests/support/test.hpp"
 
 namespace teracell {
 namespace {
 
 TEST_CASE("Chunks and pages of a level divide its rays and cells without gap or overlap") {
   Metadata meta;
-  meta.grid = {{Axis::uniform(0, 1, 0, 300, 0.5), Axis::uniform(0, 1, 0, 41, 0.5), Axis::uniform(0, 1, 0, 97, 0.5)}};
+  meta.grid = unit_grid({300, 41, 97});
   meta.ray_axis = 1;
   meta.chunk_rays = 8;
   meta.chunk_cells = 16;

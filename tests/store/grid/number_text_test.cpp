@@ -1,6 +1,6 @@
 #include "store/grid/number_text.hpp"
 
-#include <catch2/catch.hpp>
+#include "tests/support/test.hpp"
 
 namespace teracell {
 

@@ -1,10 +1,7 @@
 // What is known of sets, by their ids.
 #include "store/grid/set_memo.hpp"
 
-#include <map>
-#include <random>
-
-#include <catch2/catch.hpp>
+#include "tests/support/test.hpp"
 
 namespace teracell {
 namespace {

@@ -1,9 +1,8 @@
 // What stands for a set of labels: ids of materials, and bytes of these.
 #include "store/grid/set_value.hpp"
 
-#include <catch2/catch.hpp>
-
 #include "tests/support/stored.hpp"
+#include "tests/support/test.hpp"
 
 namespace teracell {
 namespace {

@@ -1,10 +1,6 @@
 // Lines through cells against points on them.
 #include "store/read/line.hpp"
 
-#include <set>
-
-#include <catch2/catch.hpp>
-
 #include "tests/support/meshed.hpp"
 #include "tests/support/stored.hpp"
 
@@ -22,9 +18,7 @@ TEST_CASE("The materials along a line are those of its points, for any direction
   std::mt19937_64 random(5);
   const auto cells = random_cells(random, grid.cells(), 4);
   for (const int ray_axis : {0, 1, 2}) {
-    const TempFolder folder;
-    store_cells(folder / "g.tcell", with_tiny_chunks(metadata_of(grid, ray_axis, 4)), cells);
-    const GridReader reader(folder / "g.tcell");
+    const GridReader reader = reader_of(with_tiny_chunks(metadata_of(grid, ray_axis, 4)), cells);
     const Index3 n = grid.cells();
     for (int i = 0; i < 300; ++i) {
       Vec3 a, b;
@@ -74,11 +68,9 @@ TEST_CASE("The materials along a line are those of its points, for any direction
 
 TEST_CASE("A line along a row of cells has the runs of the row, with their exact lengths") {
   const Grid grid = mixed_grid();
-  const TempFolder folder;
   std::vector<Label> cells(static_cast<size_t>(grid.cells()[0] * grid.cells()[1] * grid.cells()[2]), 0);
   for (int x = 2; x < 5; ++x) cells[static_cast<size_t>(x)] = 1;
-  store_cells(folder / "g.tcell", metadata_of(grid, 2, 2), cells);
-  const GridReader reader(folder / "g.tcell");
+  const GridReader reader = reader_of(metadata_of(grid, 2, 2), cells);
   const double low = grid.axis[0].min(), high = grid.axis[0].max();
   const auto forth = read_line(reader, {low, 0.05, 11}, {high, 0.05, 11}), back = read_line(reader, {high, 0.05, 11}, {low, 0.05, 11});
   REQUIRE(forth.size() == 3);

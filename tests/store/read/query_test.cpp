@@ -26,10 +26,7 @@ TEST_CASE("Meshed scenes of several bodies are read as their cells along every r
     const std::vector<uint32_t> cells = oracle::materials(bodies, grid);
     for (int axis = 0; axis < 3; ++axis) {
       INFO("seed " << seed << ", rays along " << axis_name(axis));
-      mesher::MeshOptions options;
-      options.axis = axis;
-      options.threads = 2;
-      mesh_quietly(scene, folder / "g.tcell", options);
+      mesh_quietly(scene, folder / "g.tcell", {.axis = axis, .threads = 2});
       const GridReader reader(folder / "g.tcell");
       Checked(reader, cells, seed).everything();
     }
@@ -43,12 +40,10 @@ TEST_CASE("Boxes, runs and columns of random cells in many small chunks are the 
 TEST_CASE("Grids one cell thin, or of one cell, are read like any other") {
   std::mt19937_64 random(20);
   for (const Index3& n : {Index3{1, 1, 1}, Index3{1, 1, 70}, Index3{70, 1, 1}, Index3{1, 70, 1}, Index3{33, 1, 18}, Index3{2, 2, 2}}) {
-    const Grid grid{{Axis::uniform(0, 1, 0, n[0], 0.5), Axis::uniform(0, 1, 0, n[1], 0.5), Axis::uniform(0, 1, 0, n[2], 0.5)}};
+    const Grid grid = unit_grid(n);
     const std::vector<Label> cells = random_cells(random, n, 3);
-    const TempFolder folder;
     for (int axis = 0; axis < 3; ++axis) {
-      store_cells(folder / "g.tcell", with_tiny_chunks(metadata_of(grid, axis, 3)), cells);
-      const GridReader reader(folder / "g.tcell");
+      const GridReader reader = reader_of(with_tiny_chunks(metadata_of(grid, axis, 3)), cells);
       Checked(reader, cells, 20).everything();
     }
   }
@@ -58,9 +53,7 @@ TEST_CASE("Labels that keep bodies apart join in columns, statistics and slices 
   const Axis axis = Axis::uniform(0, 1, 0, 8, 0.5), one = Axis::uniform(0, 1, 0, 1, 0.5);
   Metadata meta = metadata_of({{one, one, axis}}, 2, 3);
   meta.labels = {{0, ""}, {1, "a"}, {1, "b"}, {2, "c"}};
-  const TempFolder folder;
-  store_cells(folder / "g.tcell", meta, {0, 1, 1, 2, 2, 3, 3, 0});
-  const GridReader reader(folder / "g.tcell");
+  const GridReader reader = reader_of(meta, {0, 1, 1, 2, 2, 3, 3, 0});
   const auto runs = read_column(reader, 2, 0, 0);
   REQUIRE(runs.size() == 4);
   REQUIRE((runs[1].from == 1 && runs[1].to == 5 && runs[1].material == 1));
@@ -71,10 +64,7 @@ TEST_CASE("Labels that keep bodies apart join in columns, statistics and slices 
 }
 
 TEST_CASE("Levels that are not there, and columns outside the grid, are usage errors") {
-  const TempFolder folder;
-  const auto axis = [](int64_t n) { return Axis::uniform(0, 1, 0, n, 0.5); };
-  store_cells(folder / "g.tcell", metadata_of({{axis(8), axis(9), axis(10)}}, 2, 2), std::vector<Label>(720, 1));
-  const GridReader reader(folder / "g.tcell");
+  const GridReader reader = reader_of(metadata_of(unit_grid({8, 9, 10}), 2, 2), std::vector<Label>(720, 1));
   const Metadata& meta = reader.meta();
   REQUIRE(reader.levels() == 5);
   for (const int level : {-1, 5, 31, 1000}) {
@@ -87,10 +77,8 @@ TEST_CASE("Levels that are not there, and columns outside the grid, are usage er
 }
 
 TEST_CASE("A box beyond the grid is refused by all that do not fill what lies outside") {
-  const TempFolder folder;
-  const Grid grid{{Axis::uniform(0, 1, 0, 5, 0.5), Axis::uniform(0, 1, 0, 6, 0.5), Axis::uniform(0, 1, 0, 7, 0.5)}};
-  mesh_quietly(scene_of(folder, {{shapes::box({1, 1, 1}, {3, 3, 3})}}, grid), folder / "g.tcell");
-  const GridReader reader(folder / "g.tcell");
+  const Grid grid = unit_grid({5, 6, 7});
+  const GridReader reader = meshed_reader({{shapes::box({1, 1, 1}, {3, 3, 3})}}, grid);
   for (const Box& box : {Box{{0, 0, 0}, {6, 6, 7}}, Box{{-1, 0, 0}, {5, 6, 7}}, Box{{0, 0, 0}, {5, 6, int64_t{1} << 40}}}) {
     REQUIRE_THROWS_AS(for_each_run(reader, 0, box, [](const BoxRun&) {}), UsageError);
     REQUIRE_THROWS_AS(read_stats(reader, box), UsageError);

@@ -1,16 +1,8 @@
 // The reader of whole files: sound ones are read, damaged ones are refused, no lie crashes it, threads may share it.
 #include "store/read/reader.hpp"
 
-#include <atomic>
-#include <fstream>
-#include <thread>
-
-#include <catch2/catch.hpp>
-#include <nlohmann/json.hpp>
-
 #include "store/runs/chunk_codec.hpp"
 #include "store/whole/info.hpp"
-#include "tests/support/sanitized.hpp"
 #include "tests/support/small_files.hpp"
 
 namespace teracell {
@@ -22,7 +14,7 @@ TEST_CASE("A reader tells what the file holds") {
   const Bytes file = meshed_file();
   const GridReader reader = reader_of(file);
   REQUIRE(reader.file_bytes() == file.size());
-  REQUIRE(reader.meta().grid == cubic(12, 9, 8));
+  REQUIRE(reader.meta().grid == unit_grid({12, 9, 8}));
   REQUIRE(reader.levels() == 5);
   REQUIRE((reader.stored(0) && !reader.stored(1) && reader.stored(2) && reader.stored(3) && reader.stored(4)));
   REQUIRE(reader.report().starts_with('{'));
@@ -77,13 +69,11 @@ TEST_CASE("The file read by threads at once is the file read by one", "[threads]
 }
 
 TEST_CASE("A chunk said to be uniform is, on stored levels and derived ones; one set below makes a derived chunk uniform") {
-  const TempFolder folder;
   const Index3 n = {19, 16, 32};
   std::vector<Label> cells;  // one half each; a single cell of a third label
   for (int64_t i = 0; i < n[0] * n[1] * n[2]; ++i) cells.push_back(i == 0 ? 2 : i / (n[0] * n[1]) >= 16);
   for (int ray_axis = 0; ray_axis < 3; ++ray_axis) {
-    store_cells(folder / "g.tcell", with_tiny_chunks(metadata_of(cubic(n[0], n[1], n[2]), ray_axis, 3)), cells);
-    const GridReader reader(folder / "g.tcell");
+    const GridReader reader = reader_of(with_tiny_chunks(metadata_of(unit_grid(n), ray_axis, 3)), cells);
     std::vector<int> said(static_cast<size_t>(reader.levels()), 0);
     Chunk chunk;
     for (int level = 0; level < reader.levels(); ++level) {
@@ -110,9 +100,7 @@ TEST_CASE("A chunk said to be uniform is, on stored levels and derived ones; one
 TEST_CASE("A reader gives its descriptor back, whether the file was sound or not") {
   const TempFolder folder;
   const Bytes file = meshed_file();
-  const auto write = [&](const char* name, size_t size) {
-    std::ofstream(folder / name, std::ios::binary).write(reinterpret_cast<const char*>(file.data()), static_cast<std::streamsize>(size));
-  };
+  const auto write = [&](const char* name, size_t size) { write_bytes(folder / name, {file.data(), size}); };
   write("sound", file.size());
   write("cut", file.size() - 1);
   write("shorter", 10);
@@ -243,7 +231,7 @@ TEST_CASE("A grid that is larger than its index is refused when it is opened") {
   const Bytes file = chunked_file();
   const int64_t n = Axis::kMaxCells;
   for (const Index3& cells : {Index3{n, n, n}, Index3{n, 1, 1}, Index3{1, n, 1}, Index3{1, 1, n}, Index3{50, 60, 90}}) {
-    const Bytes lie = forge(file, {.metadata = [&](Metadata& m) { m.grid = cubic(cells[0], cells[1], cells[2]); }});
+    const Bytes lie = forge(file, {.metadata = [&](Metadata& m) { m.grid = unit_grid(cells); }});
     REQUIRE_THROWS_AS(reader_of(lie), FormatError);
   }
 }
@@ -262,7 +250,7 @@ TEST_CASE("A file whose chunks, pages or labels are counted otherwise than they 
     for (const size_t labels : {1, 2, 4, 60'000})
       read_hostile(forge(file, {.metadata = [&](Metadata& m) { m.labels.resize(labels), m.materials.resize(std::max<size_t>(labels, 3)); }}));
     for (const Index3& n : {Index3{1, 1, 1}, Index3{12, 9, 7}, Index3{5, 6, 10}, Index3{64, 64, 65536}})
-      read_hostile(forge(file, {.metadata = [&](Metadata& m) { m.grid = cubic(n[0], n[1], n[2]); }}));
+      read_hostile(forge(file, {.metadata = [&](Metadata& m) { m.grid = unit_grid(n); }}));
     read_hostile(forge(file, {.metadata = [&](Metadata& m) { m.levels().resize(1); }}));
   }
 }

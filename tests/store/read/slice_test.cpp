@@ -13,11 +13,8 @@ TEST_CASE("Slices of random cells in many small chunks are the cells, for any pa
 }
 
 TEST_CASE("An exception of the sink ends the slice, whatever the threads") {
-  const Axis axis = Axis::uniform(0, 1, 0, 40, 0.5);
   std::mt19937_64 random(21);
-  const TempFolder folder;
-  store_cells(folder / "g.tcell", with_tiny_chunks(metadata_of({{axis, axis, axis}}, 2, 3)), random_cells(random, {40, 40, 40}, 3));
-  const GridReader reader(folder / "g.tcell");
+  const GridReader reader = reader_of(with_tiny_chunks(metadata_of(cube_grid_of(0, 1, 40), 2, 3)), random_cells(random, {40, 40, 40}, 3));
   for (int slice = 0; slice < 3; ++slice)
     for (const int threads : {1, 3}) {
       int rows = 0;
@@ -33,10 +30,7 @@ TEST_CASE("An exception of the sink ends the slice, whatever the threads") {
 }
 
 TEST_CASE("Levels, indices and regions of slices out of range are usage errors that name the range") {
-  const TempFolder folder;
-  const auto axis = [](int64_t n) { return Axis::uniform(0, 1, 0, n, 0.5); };
-  store_cells(folder / "g.tcell", metadata_of({{axis(8), axis(9), axis(10)}}, 2, 2), std::vector<Label>(720, 1));
-  const GridReader reader(folder / "g.tcell");
+  const GridReader reader = reader_of(metadata_of(unit_grid({8, 9, 10}), 2, 2), std::vector<Label>(720, 1));
   const Metadata& meta = reader.meta();
   REQUIRE(reader.levels() == 5);
   for (const int level : {-1, 5, 31, 1000}) REQUIRE_THROWS_WITH(whole_slice(meta, 2, 0, level), Catch::Contains("0 to 4"));

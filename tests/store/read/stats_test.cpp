@@ -14,10 +14,7 @@ TEST_CASE("The statistics of any box of random cells in many small chunks are th
 }
 
 TEST_CASE("A material without cells has no volume and an empty box; an empty region has no cells") {
-  const Axis axis = Axis::uniform(0, 1, 0, 4, 0.5);
-  const TempFolder folder;
-  store_cells(folder / "g.tcell", metadata_of({{axis, axis, axis}}, 0, 3), std::vector<Label>(64, 1));
-  const GridReader reader(folder / "g.tcell");
+  const GridReader reader = reader_of(metadata_of(cube_grid_of(0, 1, 4), 0, 3), std::vector<Label>(64, 1));
   const auto stats = read_stats(reader, {{0, 0, 0}, {4, 4, 4}});
   REQUIRE(stats[1].volume == 64);
   REQUIRE((stats[2].cells == 0 && stats[2].volume == 0 && stats[2].box.empty()));

@@ -1,9 +1,8 @@
 // Addresses: what they are made of, and which are refused before anybody is asked.
-#include <catch2/catch.hpp>
-
 #include "store/remote/remote_object.hpp"
 #include "store/remote/sources.hpp"
 #include "store/remote/url.hpp"
+#include "tests/support/test.hpp"
 
 namespace teracell {
 namespace {

@@ -3,10 +3,9 @@
 
 #include <sys/resource.h>
 
-#include <catch2/catch.hpp>
-
 #include "store/format/format.hpp"
 #include "tests/support/blocks.hpp"
+#include "tests/support/test.hpp"
 
 namespace teracell {
 namespace {

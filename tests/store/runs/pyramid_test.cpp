@@ -1,10 +1,9 @@
 // Coarser levels against unions taken cell by cell.
 #include "store/runs/pyramid.hpp"
 
-#include <catch2/catch.hpp>
-
 #include "store/grid/grid.hpp"
 #include "tests/support/blocks.hpp"
+#include "tests/support/test.hpp"
 
 namespace teracell {
 namespace {

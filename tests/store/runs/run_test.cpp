@@ -1,9 +1,8 @@
 // Blocks of rays: what was appended is there, and cut and join move cells without changing them.
 #include "store/runs/run.hpp"
 
-#include <catch2/catch.hpp>
-
 #include "tests/support/blocks.hpp"
+#include "tests/support/test.hpp"
 
 namespace teracell {
 namespace {

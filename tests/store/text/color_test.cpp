@@ -1,6 +1,6 @@
 #include "store/text/color.hpp"
 
-#include <catch2/catch.hpp>
+#include "tests/support/test.hpp"
 
 namespace teracell {
 namespace {

@@ -1,15 +1,8 @@
 // JSON that is passed on unparsed: what is let through is what a parser of JSON takes, and what the format says of it.
 #include "store/text/json_check.hpp"
 
-#include <random>
-#include <set>
-
-#include <fmt/format.h>
-#include <catch2/catch.hpp>
-#include <nlohmann/json.hpp>
-
 #include "store/base/error.hpp"
-#include "tests/support/sanitized.hpp"
+#include "tests/support/test.hpp"
 
 namespace teracell {
 namespace {

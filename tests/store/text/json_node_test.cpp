@@ -1,10 +1,7 @@
 #include "store/text/json_node.hpp"
 
-#include <cmath>
-
-#include <catch2/catch.hpp>
-
 #include "store/base/error.hpp"
+#include "tests/support/test.hpp"
 
 namespace teracell {
 namespace {

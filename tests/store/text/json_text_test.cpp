@@ -1,10 +1,7 @@
 #include "store/text/json_text.hpp"
 
-#include <fmt/format.h>
-#include <catch2/catch.hpp>
-#include <nlohmann/json.hpp>
-
 #include "store/base/error.hpp"
+#include "tests/support/test.hpp"
 
 namespace teracell {
 namespace {

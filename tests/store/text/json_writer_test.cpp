@@ -1,15 +1,7 @@
 #include "store/text/json_writer.hpp"
 
-#include <array>
-#include <bit>
-#include <cmath>
-#include <limits>
-#include <random>
-
-#include <catch2/catch.hpp>
-#include <nlohmann/json.hpp>
-
 #include "store/text/json_text.hpp"
+#include "tests/support/test.hpp"
 
 namespace teracell {
 namespace {

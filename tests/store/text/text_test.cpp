@@ -1,7 +1,7 @@
 // Parts of messages.
 #include "store/text/text.hpp"
 
-#include <catch2/catch.hpp>
+#include "tests/support/test.hpp"
 
 namespace teracell {
 namespace {

@@ -1,7 +1,7 @@
 // Words and numbers of options, addresses and headers.
 #include "store/text/words.hpp"
 
-#include <catch2/catch.hpp>
+#include "tests/support/test.hpp"
 
 namespace teracell {
 namespace {

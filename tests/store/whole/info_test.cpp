@@ -1,9 +1,6 @@
 // What is told of a file in JSON.
 #include "store/whole/info.hpp"
 
-#include <catch2/catch.hpp>
-#include <nlohmann/json.hpp>
-
 #include "tests/support/small_files.hpp"
 
 namespace teracell {
@@ -13,14 +10,12 @@ using namespace testing;
 using nlohmann::ordered_json;
 
 TEST_CASE("Of a file are told its grid, materials, levels, chunks and report") {
-  const TempFolder folder;
   Metadata meta =
       with_tiny_chunks(metadata_of({{Axis::uniform(-1, 0.5, 2, 9, 0.25), Axis::graded({0, 1, 3}, 0.5), Axis::uniform(0, 1, 0, 3, 0.5)}}, 0, 2));
   meta.units = "mm";
   std::vector<Label> cells(54, 0);
   cells[6] = 1;
-  store_cells(folder / "g.tcell", meta, cells);
-  const GridReader reader(folder / "g.tcell");
+  const GridReader reader = reader_of(meta, cells);
   const ordered_json j = ordered_json::parse(info_json(reader));
   REQUIRE(j["schema"] == 1);
   REQUIRE(j["units"] == "mm");
@@ -52,7 +47,7 @@ TEST_CASE("Of a file are told its grid, materials, levels, chunks and report") {
 
 TEST_CASE("Labels are listed where the file keeps bodies apart") {
   const TempFolder folder;
-  Metadata meta = metadata_of({{Axis::uniform(0, 1, 0, 2, 0.5), Axis::uniform(0, 1, 0, 1, 0.5), Axis::uniform(0, 1, 0, 1, 0.5)}}, 0, 2);
+  Metadata meta = metadata_of(unit_grid({2, 1, 1}), 0, 2);
   store_cells(folder / "materials", meta, {0, 1});
   REQUIRE(!ordered_json::parse(info_json(GridReader(folder / "materials"))).contains("labels"));
   meta.labels[1].body = "bolt";

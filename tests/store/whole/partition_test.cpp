@@ -1,12 +1,6 @@
 // Boxes for ranks: they cover the grid once, their weights are those of their cells, and they are as balanced as cells allow.
 #include "store/whole/partition.hpp"
 
-#include <cmath>
-#include <fstream>
-#include <set>
-
-#include <fmt/format.h>
-
 #include "store/teracell.h"
 #include "tests/support/checked.hpp"
 
@@ -107,9 +101,8 @@ TEST_CASE("Parts cover each cell once, with the weights of their cells and the n
 
 TEST_CASE("The parts do not depend on the axis of the rays where all cells weigh the same, and are balanced") {
   const TempFolder folder;
-  const Axis axis = Axis::uniform(0, 1, 0, 64, 0.5);
   for (int w = 0; w < 3; ++w) {
-    Metadata meta = metadata_of({{axis, axis, axis}}, w, 2);
+    Metadata meta = metadata_of(cube_grid_of(0, 1, 64), w, 2);
     meta.chunk_rays = 16;
     store_cells(folder / "g.tcell", meta, std::vector<Label>(64 * 64 * 64, 0));
     for (const int64_t ranks : {2, 8, 27, 64, 512}) {
@@ -155,8 +148,7 @@ TEST_CASE("More ranks than cells, and options out of range, are refused") {
   CHECK_THROWS_WITH(make_partition(*c.reader, {2, PartitionMethod::kBlocks, ones, INT64_MAX, 0}, kSilent), Catch::StartsWith("align: "));
   CHECK_THROWS_WITH(make_partition(*c.reader, {2, PartitionMethod::kBlocks, ones, 1, INT64_MAX}, kSilent), Catch::StartsWith("halo: "));
   // Each part a neighbour of all others: more than memory would hold.
-  const Axis axis = Axis::uniform(0, 1, 0, 64, 0.5);
-  store_cells(c.folder / "cube.tcell", metadata_of({{axis, axis, axis}}, 0, 2), std::vector<Label>(64 * 64 * 64, 0));
+  store_cells(c.folder / "cube.tcell", metadata_of(cube_grid_of(0, 1, 64), 0, 2), std::vector<Label>(64 * 64 * 64, 0));
   CHECK_THROWS_WITH(make_partition(GridReader(c.folder / "cube.tcell"), {10'000, PartitionMethod::kBlocks, {1, 1}, 1, 64}, kSilent),
                     Catch::StartsWith("halo: "));
   // The last slab may be narrower than the others.

@@ -1,15 +1,10 @@
 // verify: it passes sound files, and it sees every damage and every lie.
 #include "store/whole/verify.hpp"
-#include "store/format/cell_frames.hpp"
-
-#include <fmt/format.h>
-#include <catch2/catch.hpp>
-
 #include "store/channels/fraction_reader.hpp"
 #include "store/channels/link_reader.hpp"
+#include "store/format/cell_frames.hpp"
 #include "store/runs/chunk_codec.hpp"
 #include "tests/support/meshed.hpp"
-#include "tests/support/sanitized.hpp"
 #include "tests/support/small_files.hpp"
 
 namespace teracell {
@@ -46,14 +41,9 @@ TEST_CASE("Any single bit flipped in a file is reported by verify, and no wrong 
 
 TEST_CASE("Any single bit flipped in a file with fractions and links is reported by verify, and no wrong share or link is ever read") {
   const TempFolder folder;
-  Grid grid;
-  for (Axis& axis : grid.axis) axis = Axis::uniform(0, 1, 0, 9, 0.5);
-  mesher::MeshOptions options;
-  options.fractions = Subdivision{2, 2, 4};
-  options.links = true;
-  options.chunk_rays = 4;
+  const Grid grid = cube_grid_of(0, 1, 9);
   mesh_quietly(scene_of(folder, {{shapes::sphere({4, 4, 4}, 3.2, 1)}, {shapes::box({3, 3, 3}, {8.2, 8.3, 8.4}), oracle::Rule::kNonzero, 2}}, grid),
-               folder / "g.tcell", options);
+               folder / "g.tcell", {.fractions = Subdivision{2, 2, 4}, .links = true, .chunk_rays = 4});
   const Bytes whole = file_bytes(folder / "g.tcell");
   const auto read = [&](const GridReader& reader) {
     std::pair<std::vector<double>, std::vector<CellLink>> out;
@@ -228,8 +218,7 @@ Bytes with_links(const Bytes& plain, const ChunkLinks& links) {
 
 TEST_CASE("Links that are not where labels change are reported by verify", "[links]") {
   const TempFolder folder;
-  const Axis axis = Axis::uniform(0, 1, 0, 9, 0.5);
-  const mesher::Scene scene = scene_of(folder, {{shapes::sphere({4, 4, 4}, 3.2, 1)}}, {{axis, axis, axis}});
+  const mesher::Scene scene = scene_of(folder, {{shapes::sphere({4, 4, 4}, 3.2, 1)}}, cube_grid_of(0, 1, 9));
   mesher::MeshOptions options;
   mesh_quietly(scene, folder / "plain.tcell", options);
   options.links = true;
@@ -251,8 +240,7 @@ TEST_CASE("Links that are not where labels change are reported by verify", "[lin
 
 TEST_CASE("Frames that are named twice, and bytes that are counted wrong, are reported by verify", "[fractions]") {
   const TempFolder folder;
-  const Axis axis = Axis::uniform(0, 1, 0, 9, 0.5);
-  mesh_quietly(scene_of(folder, {{shapes::sphere({4, 4, 4}, 3.2, 1)}}, {{axis, axis, axis}}), folder / "plain.tcell", {});
+  mesh_quietly(scene_of(folder, {{shapes::sphere({4, 4, 4}, 3.2, 1)}}, cube_grid_of(0, 1, 9)), folder / "plain.tcell", {});
   const Bytes plain = file_bytes(folder / "plain.tcell");
   const std::string about = fractions_channel({1, 1, 1}).about;
   const Bytes list = encode_cell_list(std::vector<uint64_t>{0}), page = encode_cell_page({kNoFrame}, 0);

@@ -1,14 +1,8 @@
 // Reads that fail: every one of them once, in every way, while a file is opened, verified and asked. There is the right answer or an
 // error that names the file; never wrong cells; and the next question, when the fault is gone, is answered.
-#include <fstream>
-
-#include <fmt/format.h>
-#include <catch2/catch.hpp>
-
 #include "store/base/wanted.hpp"
 #include "store/read/kept_chunks.hpp"
 #include "store/read/query.hpp"
-#include "tests/support/sanitized.hpp"
 #include "tests/support/small_files.hpp"
 
 namespace teracell {

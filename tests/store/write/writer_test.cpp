@@ -2,13 +2,7 @@
 // written with them.
 #include "store/write/writer.hpp"
 
-#include <fstream>
-
-#include <fmt/format.h>
-#include <catch2/catch.hpp>
-
 #include "store/format/checked_read.hpp"
-#include "tests/support/sanitized.hpp"
 #include "tests/support/small_files.hpp"
 
 namespace teracell {
@@ -21,10 +15,7 @@ struct Put {
   EncodedChunk chunk;
 };
 
-Metadata some_metadata() {
-  const Axis axis = Axis::uniform(0, 1, 0, 17, 0.5);
-  return with_tiny_chunks(metadata_of({{axis, axis, axis}}, 2, 3));
-}
+Metadata some_metadata() { return with_tiny_chunks(metadata_of(cube_grid_of(0, 1, 17), 2, 3)); }
 
 // All chunks that a file of this metadata has, of random cells: what they hold is not the writer's business.
 std::vector<Put> some_chunks(const Metadata& meta) {
@@ -192,7 +183,7 @@ Squares file_with_squares(const Bytes& odd = {}) {
   const TempFolder folder;
   std::mt19937_64 random(3);
   const Index3 n = {5, 9, 4};
-  const Metadata meta = with_tiny_chunks(metadata_of(cubic(n[0], n[1], n[2]), 2, 3));
+  const Metadata meta = with_tiny_chunks(metadata_of(unit_grid(n), 2, 3));
   const std::vector<Label> cells = random_cells(random, n, 3);
   Squares out;
   store_cells(folder / "g.tcell", with_squares(meta), cells, [&](GridWriter& writer) {

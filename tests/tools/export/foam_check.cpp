@@ -1,10 +1,5 @@
 #include "tests/tools/export/foam_check.hpp"
 
-#include <algorithm>
-
-#include <fmt/format.h>
-#include <catch2/catch.hpp>
-
 #include "store/channels/link_reader.hpp"
 #include "tests/support/meshed.hpp"
 

@@ -1,8 +1,5 @@
 // What the mesh of a grid must be, told cell by cell, and the comparison with what was exported.
 #pragma once
-#include <map>
-#include <set>
-
 #include "store/read/reader.hpp"
 #include "tests/tools/export/foam_files.hpp"
 

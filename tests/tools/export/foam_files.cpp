@@ -1,9 +1,5 @@
 #include "tests/tools/export/foam_files.hpp"
 
-#include <cstring>
-
-#include <catch2/catch.hpp>
-
 #include "tests/support/meshed.hpp"
 
 namespace fs = std::filesystem;

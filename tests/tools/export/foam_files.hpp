@@ -1,11 +1,7 @@
 // Reads the meshes of OpenFOAM that were exported. Anything that is not as OpenFOAM writes it fails the test.
 #pragma once
-#include <filesystem>
-#include <map>
-#include <string>
-#include <vector>
-
 #include "store/grid/grid.hpp"
+#include "tests/support/test.hpp"
 
 namespace teracell::testing::foam {
 

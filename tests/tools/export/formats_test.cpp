@@ -1,10 +1,5 @@
 #include "tools/export/formats.hpp"
 
-#include <set>
-
-#include <fmt/format.h>
-#include <catch2/catch.hpp>
-
 #include "store/base/error.hpp"
 #include "store/text/npy_header.hpp"
 #include "tests/support/meshed.hpp"
@@ -16,19 +11,13 @@ using namespace teracell::testing;
 
 namespace {
 
-Grid grid_of(const Index3& n) {
-  Grid grid;
-  for (int d = 0; d < 3; ++d) grid.axis[d] = Axis::uniform(0, 1, 0, n[d], 0.5);
-  return grid;
-}
-
 // A grid of random cells on disk. Its labels are few, and its materials as many as asked for.
 struct Stored {
   Stored(const Index3& size, uint32_t materials) : n(size), wide(materials > 256) {
     constexpr uint32_t kLabels = 5;
     std::mt19937_64 random(7);
     cells = random_cells(random, n, kLabels);
-    Metadata meta = with_tiny_chunks(metadata_of(grid_of(n), 1, materials));
+    Metadata meta = with_tiny_chunks(metadata_of(unit_grid(n), 1, materials));
     meta.labels.resize(kLabels);
     for (uint32_t i = 0; i < kLabels; ++i) meta.labels[i].material = i * (materials - 1) / (kLabels - 1);
     store_cells(folder / "g.tcell", meta, cells);
@@ -100,13 +89,9 @@ TEST_CASE("A coarse level is exported as the reader gives it", "[export]") {
 TEST_CASE("Steps of an export ascend from 0 to 1, and one that throws leaves nothing", "[export]") {
   const TempFolder folder;
   const Index3 n{13, 9, 11};
-  mesher::MeshOptions mesh;
-  mesh.links = true;
-  mesh.fractions = Subdivision{2, 2, 4};
   const mesher::Scene scene =
-      scene_of(folder, {{shapes::sphere({6, 5, 5}, 4.2, 1)}, {shapes::box({3, 3, 3}, {8.2, 8.3, 8.4}), oracle::Rule::kNonzero, 2}},
-               {{Axis::uniform(0, 1, 0, n[0], 0.5), Axis::uniform(0, 1, 0, n[1], 0.5), Axis::uniform(0, 1, 0, n[2], 0.5)}});
-  mesh_quietly(scene, folder / "g.tcell", mesh);
+      scene_of(folder, {{shapes::sphere({6, 5, 5}, 4.2, 1)}, {shapes::box({3, 3, 3}, {8.2, 8.3, 8.4}), oracle::Rule::kNonzero, 2}}, unit_grid(n));
+  mesh_quietly(scene, folder / "g.tcell", {.fractions = Subdivision{2, 2, 4}, .links = true});
   const GridReader reader(folder / "g.tcell");
   const std::string inner = reader.meta().materials[1].name, outer = reader.meta().materials[2].name;
   std::vector<std::pair<const ExportFormat*, std::map<std::string, std::string>>> exports;
@@ -260,7 +245,7 @@ TEST_CASE("With --header a text beside raw and Palabos' numbers says what they a
 
 TEST_CASE("The header of raw cells has the planes of a graded axis", "[export]") {
   TempFolder folder;
-  Grid grid = grid_of({3, 2, 2});
+  Grid grid = unit_grid({3, 2, 2});
   grid.axis[0] = Axis::graded({-1, 0.5, 0.75, 4}, 0.5);
   Metadata meta = metadata_of(grid, 1, 2);
   meta.materials[1].name = "a\nb";

@@ -1,14 +1,5 @@
-#include <chrono>
-#include <csignal>
-#include <cstring>
-#include <fstream>
-#include <numeric>
-#include <thread>
-
-#include <fmt/format.h>
 #include <hdf5.h>
 #include <sys/resource.h>
-#include <catch2/catch.hpp>
 
 #include "store/base/error.hpp"
 #include "store/channels/fraction_reader.hpp"
@@ -218,11 +209,8 @@ TEST_CASE("The profile meep has permittivities, x slowest", "[export]") {
 
 TEST_CASE("Shares of materials stand beside the cells, and Meep has the mean of the permittivities", "[export]") {
   const TempFolder folder;
-  mesher::MeshOptions options;
-  options.fractions = Subdivision{2, 4, 8};
-  options.chunk_rays = 8;
-  Grid grid;
-  for (int d = 0; d < 3; ++d) grid.axis[d] = Axis::uniform(0, 1, 0, std::array{70, 17, 15}[static_cast<size_t>(d)], 0.5);
+  const mesher::MeshOptions options{.fractions = Subdivision{2, 4, 8}, .chunk_rays = 8};
+  const Grid grid = unit_grid({70, 17, 15});
   mesh_quietly(scene_of(folder, {{shapes::sphere({60, 8, 8}, 6.2, 2)}, {shapes::box({3, 3, 3}, {58.2, 8.3, 8.4}), oracle::Rule::kNonzero, 2}}, grid),
                folder / "g.tcell", options);
   const GridReader reader(folder / "g.tcell");
@@ -291,16 +279,13 @@ TEST_CASE("Shares of materials stand beside the cells, and Meep has the mean of 
 
 TEST_CASE("In every format cells of sheets and kept cells have the shares that solids have in them", "[export]") {
   const TempFolder folder;
-  mesher::MeshOptions options;
-  options.fractions = Subdivision{2, 2, 2};
-  const Axis axis = Axis::uniform(0, 1, 0, 10, 0.5);
   std::vector<oracle::Body> bodies = {{shapes::box({2.2, 2.2, 0.6}, {7.7, 7.7, 4.3})},
                                       {shapes::sphere({5, 5, 5}, 3.1, 2), oracle::Rule::kNonzero, 2},
                                       {shapes::box({1.6, 1, 1}, {1.9, 9, 9}), oracle::Rule::kNonzero, 3}};
   bodies[1].sheet = true;
-  mesher::Scene scene = scene_of(folder, bodies, {{axis, axis, axis}});
+  mesher::Scene scene = scene_of(folder, bodies, cube_grid_of(0, 1, 10));
   scene.bodies[2].thin = mesher::Thin::kKeep;
-  mesh_quietly(scene, folder / "g.tcell", options);
+  mesh_quietly(scene, folder / "g.tcell", {.fractions = Subdivision{2, 2, 2}});
   const GridReader reader(folder / "g.tcell");
   const Box box = reader.meta().grid.box(0);
   const auto write = [&](const char* format, const char* name) {
@@ -360,13 +345,9 @@ TEST_CASE("The profile openems is CSXCAD's DiscMaterial", "[export]") {
 
 TEST_CASE("The same cells give the same HDF5 file, whenever it is written", "[export]") {
   const H5Cells s(3, 0, false);
-  const auto bytes = [](const fs::path& path) {
-    std::ifstream in(path, std::ios::binary);
-    return std::string(std::istreambuf_iterator<char>(in), {});
-  };
-  const std::string before = bytes(s.write("first.h5", s.all()));
+  const std::string before = bytes_of(s.write("first.h5", s.all()));
   std::this_thread::sleep_for(std::chrono::milliseconds(1100));  // HDF5 counts seconds
-  CHECK(bytes(s.write("second.h5", s.all())) == before);
+  CHECK(bytes_of(s.write("second.h5", s.all())) == before);
 }
 
 TEST_CASE("XDMF names the arrays of an HDF5 file beside it", "[export]") {

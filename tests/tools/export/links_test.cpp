@@ -1,6 +1,4 @@
 // Links as records of a NumPy array.
-#include <catch2/catch.hpp>
-
 #include "store/channels/link_reader.hpp"
 #include "tests/support/meshed.hpp"
 #include "tests/support/stored.hpp"
@@ -13,13 +11,9 @@ using namespace testing;
 
 TEST_CASE("Records of links have both materials, cells and places", "[export]") {
   const TempFolder folder;
-  const Axis axis = Axis::uniform(0, 1, 0, 21, 0.5);
-  mesher::MeshOptions options;
-  options.links = true;
-  options.chunk_rays = 4;
   mesh_quietly(scene_of(folder, {{shapes::sphere({9, 9, 8}, 6.2, 2)}, {shapes::box({3, 3, 3}, {8.2, 8.3, 8.4}), oracle::Rule::kNonzero, 2}},
-                        {{axis, axis, axis}}),
-               folder / "g.tcell", options);
+                        cube_grid_of(0, 1, 21)),
+               folder / "g.tcell", {.links = true, .chunk_rays = 4});
   const GridReader reader(folder / "g.tcell");
   const std::vector<uint32_t> cells = all_cells(reader);
   const auto cell = [&](const Index3& c) { return cells[static_cast<size_t>((c[2] * 21 + c[1]) * 21 + c[0])]; };

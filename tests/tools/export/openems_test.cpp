@@ -1,8 +1,5 @@
 #include <regex>
 
-#include <fmt/format.h>
-#include <catch2/catch.hpp>
-
 #include "store/base/error.hpp"
 #include "tests/support/meshed.hpp"
 #include "tests/support/stored.hpp"

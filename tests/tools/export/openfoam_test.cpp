@@ -1,12 +1,5 @@
-#include <fstream>
-
-#include <fmt/format.h>
-#include <catch2/catch.hpp>
-
 #include "store/base/error.hpp"
 #include "tests/support/meshed.hpp"
-#include "tests/support/random.hpp"
-#include "tests/support/sanitized.hpp"
 #include "tests/support/stored.hpp"
 #include "tests/tools/export/foam_check.hpp"
 #include "tools/export/formats.hpp"
@@ -109,11 +102,7 @@ TEST_CASE("Walls are told apart by the patches of the surface, in parts or as a 
   for (int trial = 0; trial < 12; ++trial) {
     mesher::Scene scene = mesher::bare_scene({folder / "a.obj", folder / "b.obj"});
     for (mesher::SceneAxis& axis : scene.axis) axis.min = 0, axis.max = 14, axis.cells = 14;
-    mesher::MeshOptions options;
-    options.links = true;
-    options.axis = trial % 3;
-    options.chunk_rays = 4;
-    mesh_quietly(scene, folder / "g.tcell", options);
+    mesh_quietly(scene, folder / "g.tcell", {.axis = trial % 3, .links = true, .chunk_rays = 4});
     const GridReader reader(folder / "g.tcell");
     const Box box = trial == 0 ? reader.meta().grid.box(0) : random_box(random, {14, 14, 14});
     Options asked = {{"--patches", ""}};
@@ -268,9 +257,7 @@ TEST_CASE("Options of a mesh that can't be followed are refused with the reason"
 
 TEST_CASE("A mesh beyond 32-bit labels is refused with the number of ranks that it needs", "[openfoam]") {
   const TempFolder folder;
-  Grid grid;
-  const Index3 n{700, 700, 400};
-  for (int d = 0; d < 3; ++d) grid.axis[d] = Axis::uniform(0, 1, 0, n[d], 0.5);
+  const Grid grid = unit_grid({700, 700, 400});
   mesh_quietly(scene_of(folder, {{.facets = shapes::box({1, 1, 1}, {9, 7, 5})}}, grid), folder / "g.tcell");
   const GridReader reader(folder / "g.tcell");
   CHECK_THROWS_WITH(export_case(reader, grid.box(0), folder / "case"), Catch::Contains("--ranks 2 or more") && Catch::Contains("536870911"));

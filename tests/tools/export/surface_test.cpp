@@ -1,15 +1,5 @@
-#include <cmath>
-#include <map>
-#include <numbers>
-#include <set>
-#include <sstream>
-
-#include <fmt/format.h>
-#include <catch2/catch.hpp>
-
 #include "store/base/error.hpp"
 #include "tests/support/meshed.hpp"
-#include "tests/support/random.hpp"
 #include "tests/support/stored.hpp"
 #include "tools/export/formats.hpp"
 
@@ -64,12 +54,6 @@ std::vector<std::array<std::array<float, 3>, 4>> read_stl(const fs::path& path) 
   std::vector<std::array<std::array<float, 3>, 4>> out(count);
   for (size_t i = 0; i < count; ++i) std::memcpy(&out[i], text.data() + 84 + 50 * i, 48);
   return out;
-}
-
-Grid unit_grid(const Index3& n) {
-  Grid grid;
-  for (int d = 0; d < 3; ++d) grid.axis[d] = Axis::uniform(0, 1, 0, n[d], 0.5);
-  return grid;
 }
 
 // Half of the cells are background.

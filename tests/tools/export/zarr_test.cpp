@@ -1,14 +1,8 @@
 // Zarr on disk: a reader that knows only the documents and the specifications reads every cell of every level.
 #include "tools/export/zarr/zarr.hpp"
 
-#include <algorithm>
-#include <map>
-
-#include <fmt/format.h>
 #include <zlib.h>
 #include <zstd.h>
-#include <catch2/catch.hpp>
-#include <nlohmann/json.hpp>
 
 #include "store/base/error.hpp"
 #include "tests/support/meshed.hpp"
@@ -336,8 +330,7 @@ TEST_CASE("A zip has the files of the folder, the documents first", "[export][za
 
 TEST_CASE("A grid of background alone is exported as documents alone", "[export][zarr]") {
   TempFolder folder;
-  Grid grid;
-  for (int d = 0; d < 3; ++d) grid.axis[d] = Axis::uniform(0, 1, 0, 20, 0.5);
+  const Grid grid = cube_grid_of(0, 1, 20);
   store_cells(folder / "g.tcell", metadata_of(grid, 2, 3), std::vector<Label>(8000, 0));
   const GridReader reader(folder / "g.tcell");
   const Export e{reader, 0, grid.box(0), folder / "g.zarr", [](double) {}};

@@ -1,22 +1,13 @@
 #include "tools/sample/stadium.hpp"
 
-#include <unistd.h>
-
-#include <cstring>
-#include <fstream>
-#include <iterator>
-#include <map>
-#include <numeric>
-
-#include <fmt/format.h>
-#include <catch2/catch.hpp>
-
 #include "mesher/scene/scene.hpp"
 #include "store/base/error.hpp"
+#include "tests/support/meshed.hpp"
 #include "tools/sample/solid.hpp"
 
 using namespace teracell;
 using namespace teracell::sample;
+using namespace teracell::testing;
 
 namespace {
 
@@ -26,23 +17,16 @@ using Triangle = std::array<Corner, 3>;
 
 class StadiumFolder {
  public:
-  StadiumFolder() : path_(fs::temp_directory_path() / fmt::format("teracell-sample-{}-{}", getpid(), reinterpret_cast<uintptr_t>(this)) / "new") {
-    write_stadium(path_);
-  }
-  ~StadiumFolder() { fs::remove_all(path_.parent_path()); }
+  StadiumFolder() { write_stadium(path_); }
   const fs::path& path() const { return path_; }
 
  private:
-  fs::path path_;
+  TempFolder folder_;
+  fs::path path_ = folder_ / "new";
 };
 
-std::string content_of(const fs::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
 std::vector<Triangle> read_stl(const fs::path& path) {
-  const std::string bytes = content_of(path);
+  const std::string bytes = bytes_of(path);
   REQUIRE(bytes.size() >= 84);
   CHECK(bytes.rfind("solid", 0) == std::string::npos);
   uint32_t count;
@@ -136,7 +120,7 @@ TEST_CASE("the stadium is written the same every time, and leaves nothing else b
   const StadiumFolder one, other;
   size_t files = 0;
   for (const auto& entry : fs::directory_iterator(one.path())) {
-    CHECK(content_of(entry.path()) == content_of(other.path() / entry.path().filename()));
+    CHECK(bytes_of(entry.path()) == bytes_of(other.path() / entry.path().filename()));
     ++files;
   }
   CHECK(files == 11);
