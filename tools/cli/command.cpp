@@ -158,7 +158,8 @@ void add_threads(CLI::App& app, int& threads) {
 
 int threads_or_all(int threads) { return threads > 0 ? threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency())); }
 
-void add_word(CLI::App& app, const std::string& name, const std::string& argument, const std::string& help, std::function<void(std::string)> take) {
+void add_word(CLI::App& app, const std::string& name, const std::string& argument, const std::string& help,
+              const std::function<void(std::string)>& take) {
   if (argument.empty())
     app.add_flag_callback(
         name, [take] { take(""); }, help);

@@ -39,7 +39,8 @@ void add_threads(CLI::App& app, int& threads);  // stays 0, which means one per 
 int threads_or_all(int threads);
 void add_progress(CLI::App& app, std::string& mode);
 // An option with a value, or a switch if `argument` is empty: take() gets the value.
-void add_word(CLI::App& app, const std::string& name, const std::string& argument, const std::string& help, std::function<void(std::string)> take);
+void add_word(CLI::App& app, const std::string& name, const std::string& argument, const std::string& help,
+              const std::function<void(std::string)>& take);
 CLI::Validator one_of(std::vector<std::string> words);
 CLI::Validator in_range(double lo, double hi);
 // Prints a line on stdout, or a warning on stderr. The line may hold names from anybody's file, which must not steer the terminal.
