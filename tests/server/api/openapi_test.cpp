@@ -49,7 +49,8 @@ TEST_CASE("Every answer is described, and what the program fills in", "[server]"
   const auto is_described = [&](const Answer& answer) {
     const std::string path = "/api/v1/grids/{id}" + (answer.name.empty() ? "" : "/" + std::string(answer.name));
     bool found = false;
-    for (const auto& [described, get] : api["paths"].items()) found = found || described.starts_with(path);
+    for (const auto& [described, get] : api["paths"].items())
+      found = found || described == path || described.starts_with(path + "/") || described.starts_with(path + ".");
     return found;
   };
 #define DESCRIBED(answer) CHECK(is_described(answer));
@@ -73,7 +74,7 @@ TEST_CASE("Every address of the description answers as the description says", "[
   const std::map<std::string, std::string> values = {{"id", "g"},  {"axis", "z"},    {"index", "4"}, {"level", "1"},    {"col", "0"},
                                                      {"row", "0"}, {"a", "3"},       {"b", "4"},     {"i", "1"},        {"j", "2"},
                                                      {"k", "3"},   {"pixel", "8,8"}, {"with", "g"},  {"from", "0,3,1"}, {"to", "9,40,9"}};
-  int seen = 0;
+  size_t seen = 0;
   for (const auto& [path, operations] : api["paths"].items()) {
     const json& responses = operations["get"]["responses"];
     CHECK(responses.contains("405"));
@@ -112,7 +113,7 @@ TEST_CASE("Every address of the description answers as the description says", "[
     }
     ++seen;
   }
-  CHECK(seen >= 9);
+  CHECK(seen + 3 == api["paths"].size());
   CHECK(api["paths"].contains("/NOTICE"));
 }
 
