@@ -1,11 +1,14 @@
 # Sourced by the other scripts. need PACKAGE...: installs the Debian packages that are missing, as root or with sudo.
-# Two that need something at once do so one after the other.
-need() (
-  mkdir -p build && exec 9>build/.packages.lock && flock 9
-  local missing=()
+# Two that miss something at once install it one after the other; who misses nothing waits for nobody.
+missing_of() {
   for package in "$@"; do
-    dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q 'ok installed' || missing+=("$package")
+    dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q 'ok installed' || echo "$package"
   done
+}
+need() (
+  [[ $(missing_of "$@") ]] || return 0
+  mkdir -p build && exec 9>build/.packages.lock && flock 9
+  mapfile -t missing < <(missing_of "$@")
   [[ ${#missing[@]} -eq 0 ]] && return 0
   echo "installing ${missing[*]}" >&2
   local root=()
