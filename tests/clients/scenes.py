@@ -9,10 +9,15 @@ import os
 import pathlib
 import random
 import subprocess
-import sys
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "../e2e"))
-import solids  # noqa: E402
+BOX = [((0, 0, 0), (0, 1, 0), (1, 1, 0), (1, 0, 0)), ((0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)), ((0, 0, 0), (1, 0, 0), (1, 0, 1), (0, 0, 1)),
+       ((0, 1, 0), (0, 1, 1), (1, 1, 1), (1, 1, 0)), ((0, 0, 0), (0, 0, 1), (0, 1, 1), (0, 1, 0)), ((1, 0, 0), (1, 1, 0), (1, 1, 1), (1, 0, 1))]
+
+
+def unit_cube():
+    facets = [f for a, b, c, d in BOX for f in ((a, b, c), (a, c, d))]
+    lines = [f"facet normal 0 0 0 outer loop {' '.join('vertex %g %g %g' % v for v in facet)} endloop endfacet" for facet in facets]
+    return "solid cube\n" + "\n".join(lines) + "\nendsolid cube\n"
 
 
 def parts():
@@ -36,6 +41,6 @@ def parts():
 def write(program, folder):
     """Writes the scenes' files into the folder and returns the arguments of `teracell mesh` by grid."""
     subprocess.run([program, "sample", "stadium", "-o", "stadium"], cwd=folder, check=True, stdout=subprocess.DEVNULL)
-    pathlib.Path(folder, "cube.stl").write_text(solids.ascii_stl(solids.box_facets((0, 0, 0), (1, 1, 1)), "cube"))
+    pathlib.Path(folder, "cube.stl").write_text(unit_cube())
     pathlib.Path(folder, "parts.json").write_text(json.dumps(parts()))
     return {"stadium": ["stadium/scene.json", "--cells", "301"], "parts": ["parts.json"]}
