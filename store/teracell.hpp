@@ -56,11 +56,6 @@ struct Reading {
   int threads = 0;                     // 0: one per core
 };
 
-struct Close {
-  void operator()(tc_grid* grid) const { tc_close(grid); }
-  void operator()(tc_partition* partition) const { tc_partition_close(partition); }
-};
-
 // Any number of threads may use one grid. Every function throws Error.
 class Grid {
  public:
@@ -179,6 +174,9 @@ class Grid {
   }
 
  private:
+  struct Close {
+    void operator()(tc_grid* grid) const { tc_close(grid); }
+  };
   // Calls read(function, argument), which calls the function with each T, and takes what visit(T) throws past the C functions.
   template <class T, class Visit, class Read>
   static void visited(Visit& visit, Read&& read) {
@@ -237,6 +235,9 @@ class Partition {
   }
 
  private:
+  struct Close {
+    void operator()(tc_partition* partition) const { tc_partition_close(partition); }
+  };
   std::unique_ptr<tc_partition, Close> partition_;
 };
 

@@ -8,6 +8,8 @@
 
 #include "mesher/closing/extrude.hpp"
 #include "mesher/closing/lengths.hpp"
+#include "mesher/scene/placement.hpp"
+#include "mesher/surface/area.hpp"
 #include "mesher/surface/read_facets.hpp"
 #include "store/base/error.hpp"
 

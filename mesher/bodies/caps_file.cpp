@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "mesher/scene/placement.hpp"
 #include "store/base/bytes.hpp"
 #include "store/base/error.hpp"
 

@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "mesher/scene/placement.hpp"
+#include "mesher/surface/area.hpp"
 #include "store/text/text.hpp"
 
 namespace teracell::mesher {

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "mesher/closing/extrude.hpp"
+#include "mesher/scene/placement.hpp"
 #include "mesher/surface/read_facets.hpp"
 #include "store/base/error.hpp"
 #include "store/text/text.hpp"

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "mesher/engines/predicates.hpp"
+#include "mesher/engines/sub_position.hpp"
 
 namespace teracell::mesher {
 

@@ -7,13 +7,6 @@
 
 namespace teracell::mesher {
 
-// Sub-positions: points between neighbouring sample points, q(k) = c(i) + (k / kSubPositions) * (c(i + 1) - c(i)).
-inline constexpr uint32_t kSubPositions = 65536;
-inline double sub_position(const Axis& axis, int64_t cell, uint32_t k) {
-  const double lower = axis.centre(cell), upper = axis.centre(cell + 1);
-  return k == kSubPositions ? upper : lower + (k / static_cast<double>(kSubPositions)) * (upper - lower);
-}
-
 // The plane of the facet as w(u, v) = w0 + gu * (u - u0) + gv * (v - v0), with a bound on its rounding error. Where a sample
 // point is closer than the bound, the exact predicate decides, so the answers are those of exact arithmetic. Keeps references
 // to facet and axis.
@@ -26,7 +19,7 @@ class FacetHeight {
   // the number of cells. Adds to `exact` how often the exact predicate was called. REQUIRES: all of the rays cross the facet.
   void first_cells(std::span<const double> u, double v, uint32_t* cells, uint64_t& exact) const;
 
-  // For the same rays: subs[i] = the first sub-position behind cells[i] - 1 that lies above the facet, from 1 to
+  // For the same rays: subs[i] = the first sub-position (sub_position.hpp) behind cells[i] - 1 that lies above the facet, from 1 to
   // kSubPositions; 0 where that cell has no sample point on both of its sides. `cells` are those of first_cells().
   void first_sub_positions(std::span<const double> u, double v, const uint32_t* cells, uint32_t* subs, uint64_t& exact) const;
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "mesher/boundary/fractions.hpp"
+#include "mesher/boundary/sub_axis.hpp"
 #include "store/channels/fractions.hpp"
 #include "store/channels/links.hpp"
 

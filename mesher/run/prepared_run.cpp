@@ -9,6 +9,7 @@
 
 #include "mesher/closing/trust.hpp"
 #include "mesher/engines/engines.hpp"
+#include "mesher/scene/placement.hpp"
 #include "mesher/thin/marker.hpp"
 #include "store/base/error.hpp"
 #include "store/base/zstd_frame.hpp"

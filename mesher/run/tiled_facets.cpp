@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "mesher/scene/placement.hpp"
+
 namespace teracell::mesher {
 namespace {
 

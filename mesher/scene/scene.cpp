@@ -199,18 +199,6 @@ void override_grid(Scene& scene, const GridOptions& options) {
     throw OptionError(fmt::format("{}: the scene gives planes for all three axes, so there is nothing to override", options.step ? "step" : "cells"));
 }
 
-Vec3 moved(const Vec3& p, const SceneBody& body) {
-  Vec3 q = transform(body.matrix, p);
-  for (double& x : q)
-    if (!(std::abs(x) >= 1e-75 && std::abs(x) <= 1e75))  // rare: 0 is allowed, and -0 becomes +0
-      x = checked_coordinate(x, fmt::format("{}: a vertex after the transformation of body '{}'", body.mesh.string(), body.name));
-  return q;
-}
-
-Facet moved(const Facet& facet, const SceneBody& body) {
-  return {{moved(facet.vertex[0], body), moved(facet.vertex[1], body), moved(facet.vertex[2], body)}};
-}
-
 Grid resolve_grid(const Scene& scene, const Vec3& lo, const Vec3& hi) {
   const bool cubic_wanted = scene.longest_cells && std::any_of(scene.axis.begin(), scene.axis.end(), is_cubic);
   const Cubic cubic = cubic_wanted ? cubic_cells(scene, lo, hi) : Cubic{};

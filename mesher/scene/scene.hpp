@@ -9,7 +9,6 @@
 #include <string_view>
 #include <vector>
 
-#include "mesher/surface/facet.hpp"
 #include "store/grid/report.hpp"
 
 namespace teracell::mesher {
@@ -92,10 +91,6 @@ struct GridOptions {
   std::optional<double> step;
   std::optional<int64_t> pad;
 };
-
-// A vertex in the coordinates of the grid. Throws InputError when it leaves the range of coordinates (is_coordinate).
-Vec3 moved(const Vec3& p, const SceneBody& body);
-Facet moved(const Facet& facet, const SceneBody& body);
 
 // The closing for "cap", "strict" or "extrude:-z" (+ or -, then x, y or z); empty for any other text.
 std::optional<Closing> parse_closing(std::string_view text);

@@ -8,9 +8,6 @@
 #include <string>
 #include <vector>
 
-#include <fmt/format.h>
-
-#include "store/base/error.hpp"
 #include "store/grid/grid.hpp"
 
 namespace teracell::mesher {
@@ -43,19 +40,6 @@ inline bool is_coordinate(double v) {
   return v == 0 || (size >= 1e-75 && size <= 1e75);
 }
 // Returns v, with -0 as +0. Throws InputError, which begins with `where`, unless v is a coordinate.
-inline double checked_coordinate(double v, const std::string& where) {
-  if (is_coordinate(v)) return v + 0.0;
-  throw InputError(!std::isfinite(v) ? fmt::format("{}: expected a finite coordinate, found {}", where, v)
-                                     : fmt::format("{}: expected a coordinate that is 0 or has a magnitude from 1e-75 to 1e75, found {}", where, v));
-}
-
-// Half of the length of the facet's normal, with one rounding per operation, so that it is the same everywhere.
-inline double area(const std::array<Vec3, 3>& p) {
-  Vec3 a, b;
-  for (int d = 0; d < 3; ++d) a[d] = p[1][d] - p[0][d], b[d] = p[2][d] - p[0][d];
-  const double x = a[1] * b[2] - a[2] * b[1], y = a[2] * b[0] - a[0] * b[2], z = a[0] * b[1] - a[1] * b[0];
-  return std::sqrt((x * x + y * y) + z * z) / 2;
-}
-inline double area(const Facet& facet) { return area(facet.vertex); }
+double checked_coordinate(double v, const std::string& where);
 
 }  // namespace teracell::mesher

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <map>
 
-#include "mesher/engines/height.hpp"
+#include "mesher/engines/sub_position.hpp"
 #include "store/base/bytes.hpp"
 
 namespace teracell::mesher {

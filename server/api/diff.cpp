@@ -3,6 +3,7 @@
 
 #include "store/base/wanted.hpp"
 #include "store/compare/difference_counts.hpp"
+#include "store/compare/equal_cells.hpp"
 #include "store/whole/info.hpp"
 
 namespace teracell::server {

@@ -1,30 +1,11 @@
 // Where anything visible is: a bit for each cell of a level, and of all coarser ones. It takes 20 MB at most, whatever the grid.
 #pragma once
 #include <bit>
-#include <vector>
 
+#include "server/render/visible.hpp"
 #include "store/read/reader.hpp"
 
 namespace teracell::server {
-
-// Which labels a picture shows, and what that means for sets of labels.
-class Visible {
- public:
-  explicit Visible(std::vector<bool> labels) : labels_(std::move(labels)) {}
-  bool operator()(Label label) const { return labels_[label]; }
-  // Of a set: 0 where none of its labels is visible, 1 + the label where one is, kSeveral where more are.
-  static constexpr uint32_t kSeveral = ~uint32_t{0};
-  uint32_t of(const std::vector<Label>& set) const {
-    uint32_t out = 0;
-    for (const Label label : set)
-      if (labels_[label]) out = out == 0 ? label + 1 : kSeveral;
-    return out;
-  }
-  uint32_t of(Label label) const { return labels_[label] ? label + 1 : 0; }
-
- private:
-  std::vector<bool> labels_;
-};
 
 class Occupancy {
  public:

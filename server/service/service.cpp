@@ -12,43 +12,6 @@ namespace {
 // Part of every ETag. Raise it when the server makes other bytes from the same grid.
 constexpr int kRevision = 2;
 
-// The bytes of a grid that is served: what reads them is counted, and errors don't say where they lie. Its name has no folder and no host, since
-// messages show it to clients. Threads may share it.
-class CountedSource final : public ByteSource {
- public:
-  CountedSource(std::unique_ptr<ByteSource> source, std::shared_ptr<ReadCounters> counters)
-      : source_(std::move(source)), name_(source_->name().substr(source_->name().rfind('/') + 1)), counters_(std::move(counters)) {}
-  uint64_t size() const override { return source_->size(); }
-  const std::string& name() const override { return name_; }
-  void read(uint64_t offset, std::span<uint8_t> out) const override {
-    counters_->reads.fetch_add(1, std::memory_order_relaxed);
-    counters_->bytes.fetch_add(out.size(), std::memory_order_relaxed);
-    without_folder([&] { source_->read(offset, out); });
-  }
-  bool is_far() const override { return source_->is_far(); }
-  void prefetch(std::span<const ByteRange> soon) const override {
-    without_folder([&] { source_->prefetch(soon); });
-  }
-  bool was_replaced() const override { return source_->was_replaced(); }
-
- private:
-  template <class F>
-  void without_folder(F&& f) const try {
-    f();
-  } catch (const Replaced& e) {
-    throw Replaced(without_folder_of(e.what()));
-  } catch (const IoError& e) {
-    throw IoError(without_folder_of(e.what()));
-  }
-  std::string without_folder_of(std::string message) const {
-    if (message.starts_with(source_->name())) message.replace(0, source_->name().size(), name_);
-    return message;
-  }
-  const std::unique_ptr<ByteSource> source_;
-  const std::string name_;
-  const std::shared_ptr<ReadCounters> counters_;
-};
-
 // What follows the first parts of an answer. Keeps its grid, and counts damage.
 class Rest final : public Parts {
  public:
@@ -105,8 +68,7 @@ Service::Service(ServiceOptions options, std::unique_ptr<GridList> grids)
       grids_(std::move(grids)) {}
 
 std::unique_ptr<const GridReader> Service::open(std::unique_ptr<ByteSource> source, uint64_t number) {
-  return std::make_unique<const GridReader>(std::make_unique<CountedSource>(std::move(source), counters_),
-                                            std::make_shared<KeptChunks>(chunks_, number), index_);
+  return std::make_unique<const GridReader>(counted_source(std::move(source), counters_), std::make_shared<KeptChunks>(chunks_, number), index_);
 }
 
 Service::AnswerCache::Pointer Service::find_cached(const Request& request) {

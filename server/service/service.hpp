@@ -7,6 +7,7 @@
 #include <set>
 
 #include "server/render/prepared.hpp"
+#include "server/service/counted_source.hpp"
 #include "server/service/grid_list.hpp"
 #include "server/service/message.hpp"
 #include "server/service/target.hpp"
@@ -31,11 +32,6 @@ struct ServiceOptions {
 struct CacheState {
   const char* name;  // "chunks", "answers"
   CacheCounts counts;
-};
-
-struct ReadCounters {
-  std::atomic<uint64_t> reads{0}, bytes{0};  // of the files: chunks, index pages
-  std::atomic<uint64_t> damaged{0};  // requests that failed on a damaged or unreadable file
 };
 
 // Threads share it.

@@ -4,8 +4,6 @@
 #include <string>
 #include <vector>
 
-#include <fmt/format.h>
-
 #include "store/grid/grid.hpp"
 
 namespace teracell::inline store {
@@ -56,10 +54,6 @@ struct Findings {
 };
 
 // 1,234,567
-inline std::string grouped(CellCount count) {
-  std::string text = fmt::format("{}", count);
-  for (auto place = static_cast<ptrdiff_t>(text.size()) - 3; place > 0; place -= 3) text.insert(static_cast<size_t>(place), ",");
-  return text;
-}
+std::string grouped(CellCount count);
 
 }  // namespace teracell::store

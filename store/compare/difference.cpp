@@ -6,6 +6,7 @@
 
 #include "store/base/output_file.hpp"
 #include "store/compare/difference_file.hpp"
+#include "store/compare/equal_cells.hpp"
 #include "store/text/color.hpp"
 #include "store/text/json_writer.hpp"
 #include "store/text/text.hpp"

@@ -9,10 +9,6 @@
 
 namespace teracell::inline store {
 
-// Whether two grids have the same cells: each plane between them lies at the same place, to the last bit. Sample points may differ.
-// Throws InputError that names the first difference: the unit, or the axis and the line.
-void expect_equal_cells(const GridReader& a, const GridReader& b);
-
 // The cells that have one material in the first grid and another one in the second.
 struct Change {
   std::string from, to;  // names

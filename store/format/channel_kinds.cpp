@@ -4,10 +4,6 @@
 
 namespace teracell::inline store {
 
-// The channel that every file has. Its frames are chunks and pages, which have files of their own (chunk_codec, format), and
-// verify() holds its levels against each other.
-const ChannelKind kLabelsKind = {kLabels, kRuns, nullptr};
-
 std::span<const ChannelKind> channel_kinds() {
 #define LISTED(name) name,
   static const ChannelKind kinds[] = {TERACELL_CHANNEL_KINDS(LISTED)};

@@ -103,10 +103,8 @@ class Case(unittest.TestCase):
         while process.poll() is None and not ready(process) and time.monotonic() < deadline:
             time.sleep(0.002)
         process.send_signal(sent)
-        started = time.monotonic()
-        out, err = process.communicate(timeout=60)
+        out, err = process.communicate(timeout=10)
         self.assertEqual((process.returncode, out), (130, ""), err)
-        self.assertLess(time.monotonic() - started, 10)
         last = err.splitlines(keepends=True)[-1]
         self.assert_paragraph(last)
         self.assertIn("interrupted", last)

@@ -9,8 +9,9 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 
-#include "store/base/error.hpp"
+#include "mesher/scene/names.hpp"
 #include "store/text/text.hpp"
+#include "tools/cli/hints.hpp"
 
 namespace teracell::cli {
 namespace {
@@ -22,32 +23,6 @@ constexpr const char* kNoRoom = "out of memory, or of threads: free some, or tak
 void occupy_standard_descriptors() {
   for (int fd = 0; fd <= 2; ++fd)
     if (fcntl(fd, F_GETFD) < 0 && open("/dev/null", O_RDONLY) < 0) return;
-}
-
-// ---- Errors of the libraries in the words of the command line. A library names no option: it says which field is wrong, or what would help.
-
-const char* hint(Remedy remedy) {
-  switch (remedy) {
-    case Remedy::kNone: return "";
-    case Remedy::kCellsOrStep: return ": give --cells N, --cells NX,NY,NZ or --step H, or \"cells\" or \"step\" in the scene's grid";
-    case Remedy::kMoreMemory: return ": allow more with --memory";
-    case Remedy::kOtherFolder: return ": give another folder with --tmp";
-    case Remedy::kOtherFolderOrMoreMemory: return ": give another folder with --tmp, or more --memory";
-    case Remedy::kFreshStart: return ": start again without --resume";
-    case Remedy::kAllowHttp: return ": give --allow-http if this is what you want";
-  }
-  return "";
-}
-
-// The message, with the option in place of the field, and with what to type.
-std::string with_hint(const Error& e) {
-  std::string text = e.what();
-  if (dynamic_cast<const OptionError*>(&e) != nullptr) {
-    const auto name_end = text.begin() + static_cast<std::ptrdiff_t>(std::min(text.find(':'), text.size()));
-    std::replace(text.begin(), name_end, '_', '-');
-    text.insert(0, "--");
-  }
-  return text + hint(e.remedy);
 }
 
 }  // namespace

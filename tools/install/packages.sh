@@ -1,9 +1,7 @@
 # Sourced by the other scripts. need PACKAGE...: installs the Debian packages that are missing, as root or with sudo.
 # Two that miss something at once install it one after the other; who misses nothing waits for nobody.
 missing_of() {
-  for package in "$@"; do
-    dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q 'ok installed' || echo "$package"
-  done
+  comm -23 <(printf '%s\n' "$@" | sort -u) <(dpkg-query -W -f='${db:Status-Status} ${Package}\n' "$@" 2>/dev/null | sed -n 's/^installed //p' | sort -u)
 }
 need() (
   [[ $(missing_of "$@") ]] || return 0

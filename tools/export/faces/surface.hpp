@@ -8,7 +8,7 @@
 #include <type_traits>
 
 #include "store/base/bytes.hpp"
-#include "tools/export/faces/piece.hpp"
+#include "tools/export/faces/smooth.hpp"
 #include "tools/export/format.hpp"
 
 namespace teracell::exports::faces {
@@ -20,13 +20,6 @@ struct Block {
   // Where its groups of vertices begin, and the end, counted from `first`. Bit d of a group says whether its vertices lie on the lower
   // side across axis d. The members of such a group are seen from the block below too, so it can tell their numbers.
   std::array<uint32_t, 9> group{};
-};
-
-// Planes of the box that is exported, for the corners of a piece: of plane i, along each axis, planes[i - first]. Beyond the sides of the
-// exported box, the side is repeated.
-struct Planes {
-  Index3 first;
-  std::array<std::vector<double>, 3> at;
 };
 
 // A part of an export's progress, as shares.

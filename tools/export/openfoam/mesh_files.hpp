@@ -1,62 +1,11 @@
 // The files of a polyMesh folder, laid out from counts. Lists are binary with labels of 32 bits and scalars of 64.
 #pragma once
-#include <cstring>
-#include <filesystem>
-#include <memory>
 #include <optional>
-#include <vector>
 
 #include "tools/export/openfoam/counts.hpp"
+#include "tools/export/openfoam/streams.hpp"
 
 namespace teracell::exports::foam {
-
-// ---- Streams.
-//
-// Many places in many files that are written to in turn. What is put is kept in buffers, which together have a bounded size; no file is
-// open but while bytes are written.
-
-class Stream;
-
-// The streams that have a buffer. It must outlive them. Not thread-safe.
-class Streams {
-  friend class Stream;
-  std::vector<Stream*> buffered_;
-  size_t bytes_ = 0;
-};
-
-struct Place {
-  std::shared_ptr<const std::filesystem::path> file;
-  uint64_t at;
-};
-
-// Bytes that follow each other from a place of a file on. Destroyed without close(), it forgets what is not written yet.
-class Stream {
- public:
-  Stream(Streams& all, Place place) : all_(all), place_(std::move(place)) {}
-  Stream(const Stream&) = delete;
-  ~Stream() { release(); }
-  // REQUIRES: T is small and has no padding. Little endian, like every machine this runs on.
-  template <class T>
-  void put(const T& value) {
-    if (capacity_ - size_ < sizeof(T)) make_room();
-    std::memcpy(buffer_.get() + size_, &value, sizeof(T));
-    size_ += sizeof(T);
-  }
-  // Writes what was put.
-  void close();
-
- private:
-  void make_room();
-  void flush();
-  void release();
-
-  Streams& all_;
-  Place place_;
-  std::unique_ptr<uint8_t[]> buffer_;
-  size_t size_ = 0, capacity_ = 0;
-};
-
-// ---- Files.
 
 // What 32-bit labels of OpenFOAM can hold: the largest number and longest list, and the faces of a mesh, whose lists of points are four times as
 // long.

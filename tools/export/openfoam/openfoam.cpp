@@ -4,119 +4,19 @@
 // points and faces; to write. Counting first costs a tenth of writing, and every list has its place in its file from the beginning.
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <set>
 
 #include <fmt/format.h>
 
 #include "store/base/error.hpp"
-#include "store/base/output_folder.hpp"
 #include "store/read/stats.hpp"
+#include "tools/export/openfoam/case_folder.hpp"
 #include "tools/export/openfoam/mesh_writer.hpp"
 #include "tools/export/solvers.hpp"
-
-namespace fs = std::filesystem;
 
 namespace teracell::exports {
 namespace foam {
 namespace {
-
-// ---- The folder of a case. Meshes are written aside and appear in it when all of them are complete.
-
-constexpr char kAside[] = "polyMesh-export";
-
-void check(const fs::path& path, const char* what, const std::error_code& error) {
-  if (error) throw IoError(fmt::format("{}: {}: {}", path.string(), what, error.message()));
-}
-
-bool make_folder(const fs::path& path) {
-  std::error_code error;
-  const bool made = fs::create_directory(path, error);
-  check(path, "can't create the folder of the case", error);
-  return made;
-}
-
-class CaseFolder {
- public:
-  // One mesh in constant/polyMesh, or with `divided` one in processorN/constant/polyMesh for each N below `parts`. The case may exist, but
-  // must have no such mesh yet. Throws UsageError or IoError.
-  CaseFolder(const fs::path& path, uint32_t parts, bool divided);
-  ~CaseFolder();
-  CaseFolder(const CaseFolder&) = delete;
-  // Where the mesh of a part is written until commit().
-  fs::path mesh(uint32_t part) const;
-  // When it returns, all meshes are on disk and in place. When it throws, either none is in place, or the message says where the rest is.
-  void commit();
-
- private:
-  fs::path place(uint32_t part) const;  // within the case
-  void expect_free() const;
-
-  const fs::path path_;
-  const uint32_t parts_;
-  const bool divided_;
-  const bool made_;  // the case was not there before
-  std::optional<OutputFolder> aside_;
-};
-
-CaseFolder::CaseFolder(const fs::path& path, uint32_t parts, bool divided)
-    : path_(path.has_filename() ? path : path.parent_path()), parts_(parts), divided_(divided), made_(make_folder(path_)) {
-  try {
-    expect_free();
-    std::error_code ignored;
-    if (fs::exists(fs::symlink_status(path_ / kAside, ignored)))
-      throw UsageError(
-          fmt::format("{}: expected no folder of this name, which a run has left that was killed as it ended: remove it", (path_ / kAside).string()));
-    aside_.emplace(path_ / kAside, "none");
-  } catch (...) {
-    std::error_code ignored;
-    if (made_) fs::remove(path_, ignored);
-    throw;
-  }
-}
-
-CaseFolder::~CaseFolder() {
-  aside_.reset();
-  std::error_code ignored;
-  if (made_) fs::remove(path_, ignored);  // if nothing came to be in it
-}
-
-fs::path CaseFolder::place(uint32_t part) const {
-  return (divided_ ? fs::path(fmt::format("processor{}", part)) : fs::path()) / "constant" / "polyMesh";
-}
-
-fs::path CaseFolder::mesh(uint32_t part) const { return aside_->path() / place(part); }
-
-// Meshes for another number of ranks would be taken for parts of this one, so none may be there.
-void CaseFolder::expect_free() const {
-  const auto refuse = [](const fs::path& mesh) {
-    std::error_code ignored;
-    if (fs::exists(fs::symlink_status(mesh, ignored)))
-      throw UsageError(fmt::format("{}: expected a case without a mesh, found this one: remove it, or write to another folder", mesh.string()));
-  };
-  if (!divided_) return refuse(path_ / "constant" / "polyMesh");
-  std::error_code error;
-  for (fs::directory_iterator at(path_, error), end; !error && at != end; at.increment(error))
-    if (at->path().filename().string().starts_with("processor")) refuse(at->path() / "constant" / "polyMesh");
-  check(path_, "can't read", error);
-}
-
-void CaseFolder::commit() {
-  expect_free();  // once more, since a run may take hours
-  aside_->commit();
-  aside_.reset();
-  for (uint32_t part = 0; part < parts_; ++part) {
-    const fs::path from = path_ / kAside / place(part), to = path_ / place(part);
-    std::error_code error;
-    fs::create_directories(to.parent_path(), error);
-    if (!error) fs::rename(from, to, error);
-    check(to, fmt::format("the mesh is complete, but can't be moved here from {}", from.string()).c_str(), error);
-  }
-  std::error_code ignored;
-  fs::remove_all(path_ / kAside, ignored);
-}
-
-// ---- The export.
 
 std::vector<bool> cells_of_mesh(const Export& e) {
   if (e.has("--fluid")) return e.materials("--fluid");

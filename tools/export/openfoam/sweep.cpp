@@ -1,96 +1,13 @@
 #include "tools/export/openfoam/sweep.hpp"
 
 #include <algorithm>
-#include <limits>
 #include <optional>
 #include <tuple>
 
+#include "tools/export/openfoam/face_patches.hpp"
+
 namespace teracell::exports::foam {
 namespace {
-
-// The faces across an axis between neighbouring cells of a row and their upper neighbours.
-struct PatchRun {
-  int32_t z, y, begin, end;
-  uint32_t patch;
-};
-
-// The patches of the surface that lie on the faces between cells, as their links tell: for each row of cells as runs along x. A few layers of
-// them are in memory.
-class FacePatches {
- public:
-  // Keeps references to both.
-  FacePatches(const Export& e, const LinkReader& links) : e_(e), links_(links), size_(size_of(e.box)) {}
-  // REQUIRES: layers are read in ascending order.
-  void read(int64_t z);
-  // The runs of a row along x, without faces of which no patch is known. Valid until the next read. REQUIRES: z is the layer that was read, or
-  // for faces across z the one below it.
-  std::span<const PatchRun> row(int axis, int64_t y, int64_t z) const;
-
- private:
-  const Export& e_;
-  const LinkReader& links_;
-  const Index3 size_;
-  int64_t end_ = 0;  // of the layers in memory
-  std::array<std::vector<PatchRun>, 3> runs_;
-};
-
-// A chunk of links is decoded once for each read, so a read takes as many layers as there is room for in the worst case, noise.
-constexpr int64_t kCellsAtOnce = 4 << 20;
-
-auto place(const PatchRun& r) { return std::tuple(r.z, r.y, r.begin); }
-
-void FacePatches::read(int64_t z) {
-  if (z < end_) return;
-  end_ = std::min(size_[2], z + std::max<int64_t>(1, kCellsAtOnce / (size_[0] * size_[1])));
-  const auto& [lo, hi] = e_.box;
-  for (int axis = 0; axis < 3; ++axis) {
-    std::vector<PatchRun>& runs = runs_[static_cast<size_t>(axis)];
-    runs.clear();
-    const int64_t first = axis == 2 && z > 0 ? z - 1 : z;  // the faces below the first layer belong to cells below it
-    links_.for_each(axis, {{lo[0], lo[1], lo[2] + first}, {hi[0], hi[1], lo[2] + end_}}, [&](std::span<const CellLink> found) {
-      e_.progress(0);
-      for (const CellLink& l : found) {
-        if (l.patch == kNoPatch) continue;
-        const auto x = static_cast<int32_t>(l.cell[0] - lo[0]);
-        runs.push_back({static_cast<int32_t>(l.cell[2] - lo[2]), static_cast<int32_t>(l.cell[1] - lo[1]), x, x + 1, l.patch});
-      }
-    });
-    std::ranges::sort(runs, {}, place);
-    size_t kept = 0;
-    for (const PatchRun& r : runs) {
-      PatchRun* const last = kept > 0 ? &runs[kept - 1] : nullptr;
-      if (last != nullptr && last->z == r.z && last->y == r.y && last->end == r.begin && last->patch == r.patch) last->end = r.end;
-      else runs[kept++] = r;
-    }
-    runs.resize(kept);
-  }
-}
-
-std::span<const PatchRun> FacePatches::row(int axis, int64_t y, int64_t z) const {
-  const auto found = std::ranges::equal_range(runs_[static_cast<size_t>(axis)], std::tuple(z, y), {},
-                                              [](const PatchRun& r) { return std::tuple(int64_t{r.z}, int64_t{r.y}); });
-  return {found.begin(), found.end()};
-}
-
-// Walks along a row.
-class AlongPatches {
- public:
-  explicit AlongPatches(std::span<const PatchRun> row) : row_(row) {}
-  struct Found {
-    uint32_t patch;  // kNoPatch: none is known
-    int64_t end;     // it stays so up to here
-  };
-  // REQUIRES: x never falls.
-  Found at(int64_t x) {
-    while (!row_.empty() && row_.front().end <= x) row_ = row_.subspan(1);
-    if (row_.empty()) return {kNoPatch, std::numeric_limits<int64_t>::max()};
-    if (x < row_.front().begin) return {kNoPatch, row_.front().begin};
-    return {row_.front().patch, row_.front().end};
-  }
-
- private:
-  std::span<const PatchRun> row_;
-};
 
 // Layers whose cells are numbered and divided into parts.
 class NumberedLayers {
