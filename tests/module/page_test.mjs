@@ -23,7 +23,8 @@ const free_port = () =>
     });
   });
 
-// A host of static files. /open/ may be read by pages of other origins, /whole/ answers no ranges.
+// A host of static files. /open/ may be read by pages of other origins. /whole/ answers no ranges, and nothing of it is kept: of a whole file
+// in its cache a browser itself answers ranges.
 class Host {
   static async of(root) {
     const host = new Host(root, await free_port());
@@ -37,7 +38,7 @@ class Host {
       events {} http { access_log off; client_body_temp_path ${root}.tmp; proxy_temp_path ${root}.tmp; fastcgi_temp_path ${root}.tmp;
       uwsgi_temp_path ${root}.tmp; scgi_temp_path ${root}.tmp; types { text/html html; text/javascript js; text/css css; }
       server { listen 127.0.0.1:${port}; root ${root};
-        location /whole/ { alias ${root}/; max_ranges 0; }
+        location /whole/ { alias ${root}/; max_ranges 0; add_header Cache-Control no-store; }
         location /open/ { alias ${root}/; add_header Access-Control-Allow-Origin *; add_header Access-Control-Allow-Headers Range;
           add_header Access-Control-Expose-Headers "Content-Range, ETag";
           if ($request_method = OPTIONS) { return 204; } } } }`;

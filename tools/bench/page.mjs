@@ -18,7 +18,7 @@ const median = (list) => sorted(list)[Math.floor(list.length / 2)];
 const spread = (list, unit = "ms") => `${median(list).toFixed(0)} ${unit} (${sorted(list)[0].toFixed(0)} to ${sorted(list).at(-1).toFixed(0)})`;
 const pause = (milliseconds) => new Promise((done) => setTimeout(done, milliseconds));
 
-const browser = await chromium.launch(launch_options);
+const browser = await chromium.launch({ ...launch_options, executablePath: "/usr/bin/chromium" });
 
 function watch() {
   const frame = () => {

@@ -132,7 +132,7 @@ function watch_tiles(cdp) {
   return () => [...fetched.values()].filter((n) => n > 1).length;
 }
 
-const browser = await chromium.launch(launch_options);
+const browser = await chromium.launch({ ...launch_options, executablePath: "/usr/bin/chromium" });
 try {
   // The first load, with nothing in the cache: the bytes of the page's own files.
   {

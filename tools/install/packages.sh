@@ -25,9 +25,9 @@ tidy_packages=(clang-tidy-16)
 sanitizer_packages=(clang-16 libclang-rt-16-dev)
 # A Node.js from elsewhere has an npm of its own, and Debian's npm would not fit it.
 command -v npm >/dev/null || build_packages+=(nodejs npm)
-client_packages=(chromium libvips-tools python3-dask python3-fsspec python3-aiohttp python3-netcdf4 python3-pil python3-xarray python3-zarr)
+client_packages=(chromium-headless-shell libvips-tools python3-dask python3-fsspec python3-aiohttp python3-netcdf4 python3-pil python3-xarray python3-zarr)
 # The module of the page is compiled by Emscripten, from Debian's source packages of zstd and zlib.
 module_packages=(emscripten bzip2 xz-utils)
-module_test_packages=(nginx-light chromium firefox-esr)
+module_test_packages=(nginx-light chromium-headless-shell firefox-esr)
 blast_packages=(openfoam openmpi-bin python3-matplotlib python3-numpy)
 solver_packages=("${blast_packages[@]}" admesh libmpich-dev libopenmpi-dev mpich munge openems parallel python3-h5py python3-meep python3-vtk9 slurm-wlm teem-apps)
