@@ -29,7 +29,7 @@ TEST_CASE("The parts of a box are a header, the cells in the order z, y, x, and 
     const Metadata meta = metadata_of(uniform_grid(3, 0.5, n), 1, 3);
     const auto cells = random_cells(random, n, 3);
     const GridReader reader = reader_of(meta, cells);
-    for (int i = 0; i < 4; ++i) {
+    for (int i = 0; i < (kSanitized ? 2 : 4); ++i) {
       Box box{{0, 0, 0}, n};
       if (i > 0)
         for (int d = 0; d < 3; ++d) {

@@ -25,6 +25,7 @@ TEST_CASE("Meshed scenes of several bodies are read as their cells along every r
     const mesher::Scene scene = scene_of(folder, bodies, grid);
     const std::vector<uint32_t> cells = oracle::materials(bodies, grid);
     for (int axis = 0; axis < 3; ++axis) {
+      if (kSanitized && axis == static_cast<int>(seed)) continue;
       INFO("seed " << seed << ", rays along " << axis_name(axis));
       mesh_quietly(scene, folder / "g.tcell", {.axis = axis, .threads = 2});
       const GridReader reader(folder / "g.tcell");
@@ -43,6 +44,7 @@ TEST_CASE("Grids one cell thin, or of one cell, are read like any other") {
     const Grid grid = unit_grid(n);
     const std::vector<Label> cells = random_cells(random, n, 3);
     for (int axis = 0; axis < 3; ++axis) {
+      if (kSanitized && n[axis] > 2) continue;
       const GridReader reader = reader_of(with_tiny_chunks(metadata_of(grid, axis, 3)), cells);
       Checked(reader, cells, 20).everything();
     }

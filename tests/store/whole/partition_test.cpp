@@ -147,10 +147,10 @@ TEST_CASE("More ranks than cells, and options out of range, are refused") {
   CHECK_THROWS_WITH(make_partition(*c.reader, {2, PartitionMethod::kBlocks, {1, 1}, 1, 0}, kSilent), Catch::StartsWith("weight: "));
   CHECK_THROWS_WITH(make_partition(*c.reader, {2, PartitionMethod::kBlocks, ones, INT64_MAX, 0}, kSilent), Catch::StartsWith("align: "));
   CHECK_THROWS_WITH(make_partition(*c.reader, {2, PartitionMethod::kBlocks, ones, 1, INT64_MAX}, kSilent), Catch::StartsWith("halo: "));
-  // Each part a neighbour of all others: more than memory would hold.
   store_cells(c.folder / "cube.tcell", metadata_of(cube_grid_of(0, 1, 64), 0, 2), std::vector<Label>(64 * 64 * 64, 0));
-  CHECK_THROWS_WITH(make_partition(GridReader(c.folder / "cube.tcell"), {10'000, PartitionMethod::kBlocks, {1, 1}, 1, 64}, kSilent),
-                    Catch::StartsWith("halo: "));
+  if (!kSanitized)  // each part a neighbour of all others: more than memory would hold
+    CHECK_THROWS_WITH(make_partition(GridReader(c.folder / "cube.tcell"), {10'000, PartitionMethod::kBlocks, {1, 1}, 1, 64}, kSilent),
+                      Catch::StartsWith("halo: "));
   // The last slab may be narrower than the others.
   for (const int64_t ranks : {5, 6}) {
     const auto slabs = [&] { return make_partition(GridReader(c.folder / "cube.tcell"), {ranks, PartitionMethod::kSlabs, {1, 1}, 15, 0}, kSilent); };
