@@ -14,7 +14,7 @@ inline constexpr bool kSanitized = false;
 #endif
 
 // For loops over bits and bytes: odd, so that every bit of a byte has its turn.
-inline constexpr size_t kStride = kSanitized ? 5 : 1;
+inline constexpr size_t kStride = kSanitized ? 11 : 1;
 // Of `n` random rounds.
 constexpr size_t rounds(size_t n) { return kSanitized ? (n + 4) / 5 : n; }
 
