@@ -34,7 +34,8 @@ const pick = async (page) => {
   await page.locator('[data-view="z"] .view-body').click({ position: { x: 120, y: 120 } });
 };
 
-// Each state: its address, and what is done there one after the other; it is looked at after the last.
+// Each state: its address, and what is done there one after the other; it is looked at after the last. One slice is beside what is looked at
+// where views are not the matter.
 const STATES = {
   "start page": [crowd.url, (page) => page.locator(".preview-3d img").first().waitFor(), opened(".card details")],
   "start page, nothing found": [crowd.url, (page) => page.getByLabel("Search grids by name").fill("zzz")],
@@ -47,26 +48,26 @@ const STATES = {
   "3D alone": [`${server.url}#g=graded&layout=3d`, sharp],
   "3D as glass, y up": [`${server.url}#g=graded&layout=3d&bodies=glass&up=y`, sharp],
   "3D cut by a plane": [`${server.url}#g=graded&layout=3d&bodies=plane`, sharp],
-  "materials": [`${server.url}#g=stadium`, settled, opened(".material details")],
-  "bodies": [`${bodies.url}#g=bodies&panel=bodies`, settled, (page) => page.locator("button.material-title").nth(2).click(), pick],
-  "bodies that a filter finds": [`${bodies.url}#g=bodies&panel=bodies`, settled, (page) => page.getByLabel("Filter bodies by name").fill("tier")],
-  "report of a grid with a hole": [`${server.url}#g=open&panel=report`, settled, opened(".panel-content details")],
-  "report of a checked grid": [`${checked.url}#g=checked&panel=report`, (page) => page.locator(".wall").first().waitFor(), opened(".panel-content details")],
-  "box panel without a box": [`${server.url}#g=graded&panel=box`, settled],
-  "box panel": [`${server.url}#g=graded&panel=box&box=1,2,3,40,50,12`, settled, (page) => page.locator("table.stats tbody tr").first().waitFor()],
-  "share panel": [`${server.url}#g=graded&panel=share`, settled, opened(".panel-content details")],
-  "status panel": [`${server.url}#g=graded&panel=status`, settled, (page) => page.locator(".cache").first().waitFor()],
+  "materials": [`${server.url}#g=stadium&layout=z`, settled, opened(".material details")],
+  "bodies": [`${bodies.url}#g=bodies&layout=z&panel=bodies`, settled, (page) => page.locator("button.material-title").nth(2).click(), pick],
+  "bodies that a filter finds": [`${bodies.url}#g=bodies&layout=z&panel=bodies`, settled, (page) => page.getByLabel("Filter bodies by name").fill("tier")],
+  "report of a grid with a hole": [`${server.url}#g=open&layout=z&panel=report`, settled, opened(".panel-content details")],
+  "report of a checked grid": [`${checked.url}#g=checked&layout=z&panel=report`, (page) => page.locator(".wall").first().waitFor(), opened(".panel-content details")],
+  "box panel without a box": [`${server.url}#g=graded&layout=z&panel=box`, settled],
+  "box panel": [`${server.url}#g=graded&layout=z&panel=box&box=1,2,3,40,50,12`, settled, (page) => page.locator("table.stats tbody tr").first().waitFor()],
+  "share panel": [`${server.url}#g=graded&layout=z&panel=share`, settled, opened(".panel-content details")],
+  "status panel": [`${server.url}#g=graded&layout=z&panel=status`, settled, (page) => page.locator(".cache").first().waitFor()],
   "no panel": [`${server.url}#g=graded&panel=none`, settled],
-  "help": [`${server.url}#g=graded`, settled, key("h"), (page) => page.getByRole("dialog").waitFor()],
-  "figure dialog": [`${server.url}#g=graded`, settled, key("f"), (page) => page.getByRole("img", { name: "Preview of the figure" }).waitFor()],
-  "layers": [`${server.url}#g=graded`, settled, click("Layers over the cells")],
-  "measuring": [`${server.url}#g=graded&measure=2,10,10,10,60,40,10`, settled, click("Measure a distance")],
-  "drawing a box": [`${server.url}#g=graded`, settled, click("Draw a box")],
-  "thickness": [`${server.url}#g=graded&panel=box`, settled, click("Thickness"), (page) => page.locator("table.stats tbody tr").first().waitFor()],
+  "help": [`${server.url}#g=graded&layout=z`, settled, key("h"), (page) => page.getByRole("dialog").waitFor()],
+  "figure dialog": [`${server.url}#g=graded&layout=z`, settled, key("f"), (page) => page.getByRole("img", { name: "Preview of the figure" }).waitFor()],
+  "layers": [`${server.url}#g=graded&layout=z`, settled, click("Layers over the cells")],
+  "measuring": [`${server.url}#g=graded&layout=z&measure=2,10,10,10,60,40,10`, settled, click("Measure a distance")],
+  "drawing a box": [`${server.url}#g=graded&layout=z`, settled, click("Draw a box")],
+  "thickness": [`${server.url}#g=graded&layout=z&panel=box`, settled, click("Thickness"), (page) => page.locator("table.stats tbody tr").first().waitFor()],
   "comparison": [`${crowd.url}#g=stadium 1&compare=stadium 2`, (page) => page.getByText("Over the whole grids").waitFor()],
   "what differs": [`${crowd.url}#g=stadium 1&compare=graded 1&mode=differs`, (page) => page.getByText("Over the whole grids").waitFor()],
-  "a pinned cell": [`${server.url}#g=graded&pin=5,6,7`, settled],
-  "a message": [`${server.url}#g=graded&at=9999,0,0`, settled, (page) => page.locator(".toast").waitFor()],
+  "a pinned cell": [`${server.url}#g=graded&layout=z&pin=5,6,7`, settled],
+  "a message": [`${server.url}#g=graded&layout=z&at=9999,0,0`, settled, (page) => page.locator(".toast").waitFor()],
 };
 
 const SCREENS = { wide: { width: 1400, height: 900 }, phone: { width: 390, height: 844 }, landscape: { width: 844, height: 390 } };
