@@ -34,8 +34,8 @@ const pick = async (page) => {
   await page.locator('[data-view="z"] .view-body').click({ position: { x: 120, y: 120 } });
 };
 
-// Each state: its address, and what is done there one after the other; it is looked at after the last. One slice is beside what is looked at
-// where views are not the matter.
+// Each state: its address, and what is done there one after the other; it is looked at after the last. Where the views
+// are not the matter, one slice is shown beside what is looked at.
 const STATES = {
   "start page": [crowd.url, (page) => page.locator(".preview-3d img").first().waitFor(), opened(".card details")],
   "start page, nothing found": [crowd.url, (page) => page.getByLabel("Search grids by name").fill("zzz")],

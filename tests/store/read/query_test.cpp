@@ -25,7 +25,7 @@ TEST_CASE("Meshed scenes of several bodies are read as their cells along every r
     const mesher::Scene scene = scene_of(folder, bodies, grid);
     const std::vector<uint32_t> cells = oracle::materials(bodies, grid);
     for (int axis = 0; axis < 3; ++axis) {
-      if (kSanitized && axis != 2 * static_cast<int>(seed)) continue;
+      if (kSanitized && axis != static_cast<int>(seed % 3)) continue;
       INFO("seed " << seed << ", rays along " << axis_name(axis));
       mesh_quietly(scene, folder / "g.tcell", {.axis = axis, .threads = 2});
       const GridReader reader(folder / "g.tcell");

@@ -41,21 +41,21 @@ TEST_CASE("Any single bit flipped in a file is reported by verify, and no wrong 
 
 TEST_CASE("Any single bit flipped in a file with fractions and links is reported by verify, and no wrong share or link is ever read") {
   const TempFolder folder;
-  const Grid grid = cube_grid_of(0, 1, 7);
-  mesh_quietly(scene_of(folder, {{shapes::sphere({3, 3, 3}, 2.2, 1)}, {shapes::box({2, 3, 3}, {6.2, 6.3, 6.4}), oracle::Rule::kNonzero, 2}}, grid),
+  const Grid grid = cube_grid_of(0, 1, 9);
+  mesh_quietly(scene_of(folder, {{shapes::sphere({4, 4, 4}, 3.2, 1)}, {shapes::box({3, 3, 3}, {8.2, 8.3, 8.4}), oracle::Rule::kNonzero, 2}}, grid),
                folder / "g.tcell", {.fractions = Subdivision{2, 2, 4}, .links = true, .chunk_rays = 4});
   const Bytes whole = file_bytes(folder / "g.tcell");
   const auto read = [&](const GridReader& reader) {
     std::pair<std::vector<double>, std::vector<CellLink>> out;
-    out.first.resize(343);
-    FractionReader(reader).read_box(grid.box(0), 1, 0.0, out.first.data(), {1, 7, 49});
+    out.first.resize(729);
+    FractionReader(reader).read_box(grid.box(0), 1, 0.0, out.first.data(), {1, 9, 81});
     for (int d = 0; d < 3; ++d)
       LinkReader(reader).for_each(d, grid.box(0),
                                   [&](std::span<const CellLink> found) { out.second.insert(out.second.end(), found.begin(), found.end()); });
     return out;
   };
   const auto undamaged = read(reader_of(whole));
-  REQUIRE(undamaged.second.size() > 100);
+  REQUIRE(undamaged.second.size() > 200);
   Bytes file = whole;
   size_t missed = 0, wrong = 0;
   for (size_t bit = 0; bit < 8 * file.size(); bit += kStride) {
