@@ -1,64 +1,80 @@
 #include "store/check/cells.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <unordered_map>
 
 #include "store/base/in_order.hpp"
+#include "store/check/regions.hpp"
 
 namespace teracell::inline store {
 namespace {
-
-constexpr uint32_t kThinPlace = 2;  // cells: walls up to this thickness are listed as places
 
 bool is_larger(const Component& a, const Component& b) { return a.cells != b.cells ? a.cells > b.cells : a.first < b.first; }
 
 // What a block tells of a label.
 struct BlockFacts {
-  std::array<uint64_t, kThickest> thin{};
-  uint32_t thinnest = ~uint32_t{0};
+  std::array<uint64_t, kThickest / 2 - 1> thin{};
+  uint32_t thinnest = kThickest;
   std::array<uint32_t, 3> thinnest_at{~0u, ~0u, ~0u};
   Component at_sides;
 };
 
 struct Block {
   uint32_t cu;
-  BlockComponents cells, thin;
+  BlockComponents cells;
+  BlockRegions thin, narrow;
   std::unordered_map<Label, BlockFacts> labels;
 };
 
 // Each thread has its own.
 class BlockReader {
  public:
-  explicit BlockReader(const GridReader& reader) : reader_(reader), shape_(reader.shape(0)), frame_(reader.meta().frame()) {}
+  BlockReader(const GridReader& reader, const CheckOptions& options)
+      : reader_(reader),
+        shape_(reader.shape(0)),
+        frame_(reader.meta().frame()),
+        thin_below_(halves_below(options.thin_cells)),
+        narrow_below_(halves_below(options.narrow_cells)),
+        here_(labels_here(reader.meta())),
+        thickness_(walls(here_.size(), narrow_below_ > 0)) {}
 
   Block read(uint32_t cu, uint32_t cv) {
-    Block block{cu, {}, {}, {}};
+    Block block{cu, {}, {}, {}, {}};
     const bool is_one = read_uniform(cu, cv);
-    if (!is_one) read_field(reader_, cu, cv, scratch_, field_);
+    if (!is_one) read_field(reader_, here_, cu, cv, scratch_, field_);
     const uint32_t u = cu * shape_.chunk_rays, v = cv * shape_.chunk_rays;
-    block.cells = labeller_.components(field_.rays, field_.column, u, v, frame_, [](SetId set) { return Meaning{set, 0}; });
+    block.cells = labeller_.components(field_.rays, field_.column, u, v, frame_);
     find_sides(block, u, v);
     if (!is_one) find_thin(block, u, v);
     return block;
   }
 
  private:
+  // The thicknesses, in half cells, that are less than this many cells are less than what is returned.
+  static uint32_t halves_below(double cells) { return static_cast<uint32_t>(std::ceil(std::clamp(2 * cells, 0., static_cast<double>(kThickest)))); }
+  static std::vector<bool> walls(size_t labels, bool background) {
+    std::vector<bool> out(labels, true);
+    out[0] = background;
+    return out;
+  }
+
   std::array<uint32_t, 3> place(uint32_t u, uint32_t v, uint32_t w) const {
     std::array<uint32_t, 3> out;
     out[2 - frame_.u] = u, out[2 - frame_.v] = v, out[2 - frame_.w] = w;
     return out;
   }
 
-  // A column of one label needs no rays around it: no wall in it is thin.
+  // A column of one label that is wide enough needs no rays around it: nothing in it is thin.
   bool read_uniform(uint32_t cu, uint32_t cv) {
     const uint32_t nu = shape_.rays_u(cu), nv = shape_.rays_v(cv);
     std::optional<Label> label;
     for (uint32_t segment = 0; segment < shape_.segments; ++segment) {
       const auto set = reader_.uniform({0, cu, cv, segment});
-      if (!set || (label && *label != set->front())) return false;
-      label = set->front();
+      if (!set || (label && *label != here_[set->front()])) return false;
+      label = here_[set->front()];
     }
-    if (*label != 0 && (nu <= kThickest || nv <= kThickest)) return false;
+    if ((*label != 0 || narrow_below_ > 0) && (nu < kThickest || nv < kThickest)) return false;
     field_.rays.fill(nu, nv, shape_.nw, *label);
     field_.column = {0, 0, nu, nv};
     return true;
@@ -83,46 +99,35 @@ class BlockReader {
   }
 
   void find_thin(Block& block, uint32_t u0, uint32_t v0) {
-    const auto nothing = static_cast<SetId>(2 * reader_.meta().labels.size());
+    thin_.clear(), narrow_.clear();
     const RayWindow& column = field_.column;
-    thin_.reset(column.u1 - column.u0, column.v1 - column.v0, field_.rays.length);
-    bool any = false;
-    for (uint32_t v = column.v0; v < column.v1; ++v)
-      for (uint32_t u = column.u0; u < column.u1; ++u) {
-        sets_.assign(1, nothing), changes_.clear();
-        const auto begin = [&](uint32_t at, SetId set) {
-          if (at == 0 || (!changes_.empty() && changes_.back() == at)) sets_.back() = set;
-          else changes_.push_back(at), sets_.push_back(set);
-        };
-        for (const ThinRun& run : walls_.thin_runs(field_, u, v)) {
-          BlockFacts& facts = block.labels[run.label];
-          facts.thin[run.cells - 1] += run.to - run.from;
-          const auto at = place(u0 + u - column.u0, v0 + v - column.v0, run.from);
-          if (run.cells < facts.thinnest) facts.thinnest = run.cells, facts.thinnest_at = at;
-          else if (run.cells == facts.thinnest) facts.thinnest_at = std::min(facts.thinnest_at, at);
-          if (run.cells > kThinPlace) continue;
-          any = true;
-          begin(run.from, 2 * run.label + run.cells - 1);
-          if (run.to < thin_.length) begin(run.to, nothing);
-        }
-        thin_.append(sets_, changes_);
+    for (ThinRun run : thickness_.thin_runs(field_)) {
+      run.u += u0 - column.u0, run.v += v0 - column.v0;
+      if (run.label == 0) {
+        if (run.halves < narrow_below_) narrow_.push_back(run);
+        continue;
       }
-    if (any)
-      block.thin = labeller_.components(thin_, {0, 0, thin_.nu, thin_.nv}, u0, v0, frame_, [&](SetId set) {
-        return set == nothing ? Meaning{Meaning::kNothing, 0} : Meaning{set / 2, set % 2 + 1};
-      });
+      BlockFacts& facts = block.labels[run.label];
+      facts.thin[run.halves / 2 - 1] += run.to - run.from;
+      const auto at = place(run.u, run.v, run.from);
+      if (std::pair(run.halves, at) < std::pair(facts.thinnest, facts.thinnest_at)) facts.thinnest = run.halves, facts.thinnest_at = at;
+      if (run.halves < thin_below_) thin_.push_back(run);
+    }
+    const RayWindow whole{u0, v0, u0 + column.u1 - column.u0, v0 + column.v1 - column.v0};
+    block.thin = regions_of(thin_, whole, frame_);
+    block.narrow = regions_of(narrow_, whole, frame_);
   }
 
   const GridReader& reader_;
   const LevelShape shape_;
   const RayFrame frame_;
+  const uint32_t thin_below_, narrow_below_;  // in half cells
+  const std::vector<Label> here_;
   std::shared_ptr<Chunk> scratch_;
   Field field_;
-  Walls walls_;
+  Thickness thickness_;
   BlockLabeller labeller_;
-  RayBlock thin_;
-  std::vector<SetId> sets_;
-  std::vector<uint32_t> changes_;
+  std::vector<ThinRun> thin_, narrow_;
 };
 
 }  // namespace
@@ -145,7 +150,7 @@ std::vector<Component> LargestComponents::sorted() const {
   return out;
 }
 
-CellFacts look_at_cells(const GridReader& reader, int threads, const std::function<void(double)>& progress) {
+CellFacts look_at_cells(const GridReader& reader, const CheckOptions& options, const std::function<void(double)>& progress) {
   const LevelShape shape = reader.shape(0);
   CellFacts out;
   out.labels.resize(reader.meta().labels.size());
@@ -166,13 +171,18 @@ CellFacts look_at_cells(const GridReader& reader, int threads, const std::functi
       if (is_larger(c, facts.largest)) facts.largest = c;
     }
   });
-  ComponentJoiner thin(shape, [&](const Component& c) { out.thin.add(c); });
+  const auto adds_to = [](LargestComponents& all) {
+    return [&all](const Component& c) {
+      if (c.cells >= kFewCells) all.add(c);
+    };
+  };
+  RegionJoiner thin(shape, adds_to(out.thin)), narrow(shape, adds_to(out.narrow));
 
-  std::vector<BlockReader> readers(static_cast<size_t>(threads), BlockReader(reader));
+  std::vector<BlockReader> readers(static_cast<size_t>(options.threads), BlockReader(reader, options));
   const uint64_t columns = uint64_t{shape.chunks_u} * shape.chunks_v;
   uint64_t next = 0, done = 0;
   in_order(
-      threads, [&]() -> std::optional<uint64_t> { return next < columns ? std::optional(next++) : std::nullopt; },
+      options.threads, [&]() -> std::optional<uint64_t> { return next < columns ? std::optional(next++) : std::nullopt; },
       [&](uint64_t column, int worker) {
         return readers[static_cast<size_t>(worker)].read(static_cast<uint32_t>(column % shape.chunks_u),
                                                          static_cast<uint32_t>(column / shape.chunks_u));
@@ -180,18 +190,20 @@ CellFacts look_at_cells(const GridReader& reader, int threads, const std::functi
       [&](Block&& block) {
         for (const auto& [label, found] : block.labels) {
           LabelFacts& facts = out.labels[label];
-          for (size_t i = 0; i < kThickest; ++i) facts.thin[i] += found.thin[i];
+          for (size_t i = 0; i < found.thin.size(); ++i) facts.thin[i] += found.thin[i];
           if (std::pair(found.thinnest, found.thinnest_at) < std::pair(facts.thinnest, facts.thinnest_at))
             facts.thinnest = found.thinnest, facts.thinnest_at = found.thinnest_at;
           facts.at_sides.add(found.at_sides);
         }
         cells.add(block.cu, std::move(block.cells));
         thin.add(block.cu, std::move(block.thin));
+        narrow.add(block.cu, std::move(block.narrow));
         progress(static_cast<double>(++done) / static_cast<double>(columns));
       },
       4);
   cells.finish();
   thin.finish();
+  narrow.finish();
   return out;
 }
 

@@ -2,17 +2,16 @@
 #pragma once
 #include <functional>
 
+#include "store/check/check.hpp"
 #include "store/check/components.hpp"
-#include "store/check/finding.hpp"
-#include "store/check/walls.hpp"
 
 namespace teracell::inline store {
 
 // Of a label.
 struct LabelFacts {
   CellCount cells = 0;
-  std::array<CellCount, kThickest> thin{};      // cells of thickness 1 to kThickest
-  uint32_t thinnest = ~uint32_t{0};
+  std::array<CellCount, kThickest / 2 - 1> thin{};  // cells of thickness 1 to 7, by the whole part
+  uint32_t thinnest = kThickest;                // in half cells
   std::array<uint32_t, 3> thinnest_at{~0u, ~0u, ~0u};  // a cell of that thickness: by z, y, x
   Component at_sides;                           // its cells at the sides of the domain
   Component largest;                            // of its components
@@ -38,9 +37,12 @@ struct CellFacts {
   std::vector<LabelFacts> labels;
   LargestComponents islands{kMostFindings};   // components of a label but its largest
   LargestComponents enclosed{kMostFindings};  // of the background, those that touch no side of the domain
-  LargestComponents thin{kMostFindings};      // of cells of thickness 1 and 2 of a label; `thinnest` is set
+  LargestComponents thin{kMostFindings};      // regions of a label's cells below CheckOptions::thin_cells
+  LargestComponents narrow{kMostFindings};    // of the background's, below CheckOptions::narrow_cells
 };
 
-CellFacts look_at_cells(const GridReader& reader, int threads, const std::function<void(double share)>& progress);
+inline constexpr uint32_t kFewCells = 4;  // a region of fewer cells is a tip
+
+CellFacts look_at_cells(const GridReader& reader, const CheckOptions& options, const std::function<void(double share)>& progress);
 
 }  // namespace teracell::store

@@ -12,10 +12,16 @@ namespace {
 
 class Sentences {
  public:
-  Sentences(const GridReader& reader, Findings& out) : meta_(reader.meta()), frame_(meta_.frame()), out_(out) {}
+  Sentences(const GridReader& reader, const CheckOptions& options, Findings& out)
+      : meta_(reader.meta()), options_(options), frame_(meta_.frame()), out_(out) {}
 
   void add(const CellFacts& facts) {
-    for (const Component& c : facts.thin.sorted()) thin(c);
+    for (const Component& c : facts.thin.sorted())
+      of_cells(FindingKind::thin, c.thinnest < 4 ? FindingLevel::warning : FindingLevel::note, c,
+               fmt::format("A wall of '{}' is {} thick where it is thinnest: {} are below {:g}.", name(c.label), thick(c.thinnest), cells_of(c), options_.thin_cells));
+    for (const Component& c : facts.narrow.sorted())
+      of_cells(FindingKind::narrow, c.thinnest < 4 ? FindingLevel::warning : FindingLevel::note, c,
+               fmt::format("A gap of '{}' is {} wide where it is narrowest: {} are below {:g}.", name(0), thick(c.thinnest), cells_of(c), options_.narrow_cells));
     for (const Component& c : facts.islands.sorted())
       of_cells(FindingKind::island, FindingLevel::warning, c,
                fmt::format("{} of '{}' {} connected to the rest of it through no face.", cells_of(c), name(c.label), c.cells == 1 ? "is" : "are"));
@@ -24,6 +30,7 @@ class Sentences {
                fmt::format("{} of '{}' {} enclosed: no way through faces leads to a side of the domain.", cells_of(c), name(c.label),
                            c.cells == 1 ? "is" : "are"));
     total(FindingKind::thin, facts.thin);
+    total(FindingKind::narrow, facts.narrow);
     total(FindingKind::island, facts.islands);
     total(FindingKind::enclosed, facts.enclosed);
     for (Label label = 1; label < facts.labels.size(); ++label) {
@@ -56,11 +63,7 @@ class Sentences {
   void of_cells(FindingKind kind, FindingLevel level, const Component& c, std::string text) {
     add_finding(out_, {kind, level, {name(c.label)}, c.cells, centre(c.first), box_of(c), std::move(text)});
   }
-  void thin(const Component& c) {
-    const bool one = c.thinnest == 1;
-    of_cells(FindingKind::thin, one ? FindingLevel::warning : FindingLevel::note, c,
-             fmt::format("A wall of '{}' is {} thick: {}.", name(c.label), one ? "1 cell" : "2 cells", cells_of(c)));
-  }
+  static std::string thick(uint32_t halves) { return fmt::format("{:g} {}", halves / 2., halves == 2 ? "cell" : "cells"); }
   // Of all of them, not only of those that are kept.
   void total(FindingKind kind, const LargestComponents& components) {
     out_.totals[static_cast<size_t>(kind)] = {components.number(), components.cells()};
@@ -68,24 +71,25 @@ class Sentences {
   void wall(Label label, const LabelFacts& facts) {
     WallReport wall{name(label), std::nullopt, std::nullopt, {}};
     CellCount thick = facts.cells;
-    for (size_t i = 0; i < kThickest; ++i) wall.histogram[i] = facts.thin[i], thick -= facts.thin[i];
-    wall.histogram[kThickest] = thick;
-    if (facts.thinnest <= kThickest) wall.thinnest = facts.thinnest, wall.at = centre(facts.thinnest_at);
+    for (size_t i = 0; i < facts.thin.size(); ++i) wall.histogram[i] = facts.thin[i], thick -= facts.thin[i];
+    wall.histogram.back() = thick;
+    if (facts.thinnest < kThickest) wall.thinnest = facts.thinnest / 2., wall.at = centre(facts.thinnest_at);
     out_.walls.push_back(std::move(wall));
   }
 
   const Metadata& meta_;
+  const CheckOptions& options_;
   const RayFrame frame_;
   Findings& out_;
 };
 
 }  // namespace
 
-Findings check(const GridReader& reader, int threads, const std::function<void(double)>& progress) {
+Findings check(const GridReader& reader, const CheckOptions& options, const std::function<void(double)>& progress) {
   Findings out;
   out.hash = reader.hash();
   add_reported(out, reader.report(), reader.meta());
-  Sentences(reader, out).add(look_at_cells(reader, threads, progress));
+  Sentences(reader, options, out).add(look_at_cells(reader, options, progress));
   std::ranges::stable_sort(out.list, {}, [](const Finding& f) { return std::pair(f.level, f.kind); });
   return out;
 }

@@ -41,20 +41,20 @@ void add_walls(std::vector<std::string>& lines, const std::vector<WallReport>& w
     if (wall.thinnest) thin.push_back(&wall);
   if (walls.empty()) return;
   lines.push_back("");
-  if (thin.empty()) return lines.push_back("Walls: all are thicker than 8 cells.");
-  std::ranges::stable_sort(thin, {}, [](const WallReport* wall) { return std::tuple(*wall->thinnest, ~wall->histogram[*wall->thinnest - 1]); });
+  if (thin.empty()) return lines.push_back("Walls: all are 8 cells thick or more.");
+  std::ranges::stable_sort(thin, {}, [](const WallReport* wall) { return std::tuple(*wall->thinnest, ~wall->histogram[static_cast<size_t>(*wall->thinnest) - 1]); });
   lines.push_back("Cells by the thickness of the wall that they lie in:");
   size_t width = 4;
   for (size_t i = 0; i < std::min(most, thin.size()); ++i) width = std::max(width, thin[i]->body.size());
   std::string head = fmt::format("  {:<{}}", "", width);
-  for (int cells = 1; cells <= 8; ++cells) head += fmt::format(" {:>12}", cells);
-  lines.push_back(head + fmt::format(" {:>20}", "more"));
+  for (int cells = 1; cells <= 7; ++cells) head += fmt::format(" {:>12}", cells);
+  lines.push_back(head + fmt::format(" {:>20}", "8 or more"));
   for (size_t i = 0; i < std::min(most, thin.size()); ++i) {
     std::string line = fmt::format("  {:<{}}", thin[i]->body, width);
-    for (size_t k = 0; k < 9; ++k) line += fmt::format(" {:>{}}", grouped(thin[i]->histogram[k]), k < 8 ? 12 : 20);
+    for (size_t k = 0; k < 8; ++k) line += fmt::format(" {:>{}}", grouped(thin[i]->histogram[k]), k < 7 ? 12 : 20);
     lines.push_back(line);
   }
-  if (thin.size() > most) lines.push_back(fmt::format("  and {} more with walls of at most 8 cells", thin.size() - most));
+  if (thin.size() > most) lines.push_back(fmt::format("  and {} more with walls below 8 cells", thin.size() - most));
 }
 
 // A document ends with the checksum of what is before it, so that one that was cut or changed is never taken for what was found.

@@ -24,10 +24,9 @@ std::span<const uint32_t> ends_of(const Border& border, uint32_t ray) {
 
 void Component::add(const Component& other) {
   if (other.cells == 0) return;
-  thinnest = cells == 0 ? other.thinnest : std::min(thinnest, other.thinnest);
+  if (cells == 0 || std::pair(other.thinnest, other.first) < std::pair(thinnest, first)) thinnest = other.thinnest, first = other.first;
   cells += other.cells;
   for (size_t d = 0; d < 3; ++d) lo[d] = std::min(lo[d], other.lo[d]), hi[d] = std::max(hi[d], other.hi[d]);
-  first = std::min(first, other.first);
 }
 
 // Whether each run of the one ray has a cell in common with the same run of the other. Then it has none in common with another run of the same
@@ -49,7 +48,7 @@ void BlockLabeller::join_rays(const RayBlock& rays, uint32_t a, uint32_t first_a
   const std::span<const uint32_t> changes_a = rays.changes(a), changes_b = rays.changes(b);
   const auto end = [&](std::span<const uint32_t> changes, size_t i) { return i < changes.size() ? changes[i] : rays.length; };
   for (size_t i = 0, j = 0; i < sets_a.size() && j < sets_b.size();) {
-    if (const Label label = meanings_[sets_a[i]].label; label != Meaning::kNothing && label == meanings_[sets_b[j]].label)
+    if (sets_a[i] == sets_b[j])
       groups_.join(first_a + static_cast<uint32_t>(i), first_b + static_cast<uint32_t>(j));
     const uint32_t end_a = end(changes_a, i), end_b = end(changes_b, j);
     i += end_a <= end_b;
@@ -72,15 +71,10 @@ void BlockLabeller::count(const RayBlock& rays, uint32_t ray, uint32_t first, ui
   });
 }
 
-BlockComponents BlockLabeller::components(const RayBlock& rays, const RayWindow& window, uint32_t u0, uint32_t v0, const RayFrame& frame,
-                                          const std::function<Meaning(SetId)>& meaning) {
-  meanings_.clear(), groups_ = Groups(), nodes_.clear();
+BlockComponents BlockLabeller::components(const RayBlock& rays, const RayWindow& window, uint32_t u0, uint32_t v0, const RayFrame& frame) {
+  groups_ = Groups(), nodes_.clear();
   first_.assign(rays.rays(), 0);
   joined_ = {0, 0};
-  SetId sets = 0;
-  for (uint32_t p = 0; p < rays.patterns.size(); ++p)
-    for (const SetId set : rays.patterns.sets(p)) sets = std::max(sets, set + 1);
-  for (SetId set = 0; set < sets; ++set) meanings_.push_back(meaning(set));
   for (uint32_t v = window.v0; v < window.v1; ++v)
     for (uint32_t u = window.u0; u < window.u1; ++u) {
       const uint32_t ray = v * rays.nu + u, before = ray - 1, above = ray - rays.nu;
@@ -90,14 +84,9 @@ BlockComponents BlockLabeller::components(const RayBlock& rays, const RayWindow&
       else if (has_above && follows(rays, ray, above)) first = first_[above];
       else {
         first = static_cast<uint32_t>(nodes_.size());
-        const std::span<const SetId> ray_sets = rays.sets(ray);
-        for (size_t i = 0; i < ray_sets.size(); ++i) {
-          const Meaning m = meanings_[ray_sets[i]];
+        for (const SetId label : rays.sets(ray)) {
           groups_.add();
-          nodes_.push_back({.label = m.label, .thinnest = m.number});
-          // Runs of one label that touch along the ray: they differ in their numbers.
-          if (i > 0 && m.label != Meaning::kNothing && m.label == meanings_[ray_sets[i - 1]].label)
-            groups_.join(first + static_cast<uint32_t>(i) - 1, first + static_cast<uint32_t>(i));
+          nodes_.push_back({.label = static_cast<Label>(label)});
         }
       }
       if (has_before && first_[before] != first) join_rays(rays, ray, first, before, first_[before]);
@@ -106,9 +95,8 @@ BlockComponents BlockLabeller::components(const RayBlock& rays, const RayWindow&
     }
 
   BlockComponents out;
-  std::vector<uint32_t> numbers(nodes_.size(), Border::kNone);
+  std::vector<uint32_t> numbers(nodes_.size());
   for (uint32_t node = 0; node < nodes_.size(); ++node) {
-    if (nodes_[node].label == Meaning::kNothing) continue;
     const uint32_t r = groups_.of(node);  // it comes first
     if (r == node) {
       numbers[node] = static_cast<uint32_t>(out.all.size());
@@ -137,13 +125,12 @@ BlockComponents BlockLabeller::components(const RayBlock& rays, const RayWindow&
   return out;
 }
 
-// A block without components has no borders.
 void ComponentJoiner::join(const Border& a, const Border& b) {
-  if (a.rays() == 0 || b.rays() == 0) return;
+  if (a.rays() == 0) return;  // no block is above the first row
   for (uint32_t ray = 0; ray < a.rays(); ++ray)
     for_common_runs(ends_of(a, ray), ends_of(b, ray), [&](size_t i, size_t j) {
       const uint32_t x = a.components[a.begin[ray] + i], y = b.components[b.begin[ray] + j];
-      if (x == Border::kNone || y == Border::kNone || nodes_[x].label != nodes_[y].label) return;
+      if (nodes_[x].label != nodes_[y].label) return;
       const uint32_t of_x = groups_.of(x), of_y = groups_.of(y);
       if (of_x == of_y) return;
       groups_.join(of_x, of_y);
@@ -158,8 +145,7 @@ void ComponentJoiner::add(uint32_t cu, BlockComponents&& block) {
     nodes_.push_back(c);
   }
   for (Border& border : block.borders)
-    for (uint32_t& component : border.components)
-      if (component != Border::kNone) component += base;
+    for (uint32_t& component : border.components) component += base;
   auto& [lowest_u, highest_u, lowest_v, highest_v] = block.borders;
   if (cu > 0) join(before_, lowest_u);
   join(above_[cu], lowest_v);
@@ -170,20 +156,20 @@ void ComponentJoiner::add(uint32_t cu, BlockComponents&& block) {
 
 // What the last row of blocks does not reach is finished. The rest is numbered anew.
 void ComponentJoiner::retire() {
-  std::vector<uint32_t> numbers(nodes_.size(), Border::kNone);
+  constexpr uint32_t kNone = ~uint32_t{0};
+  std::vector<uint32_t> numbers(nodes_.size(), kNone);
   std::vector<Component> left;
   for (Border& border : above_)
     for (uint32_t& component : border.components) {
-      if (component == Border::kNone) continue;
       const uint32_t r = groups_.of(component);
-      if (numbers[r] == Border::kNone) {
+      if (numbers[r] == kNone) {
         numbers[r] = static_cast<uint32_t>(left.size());
         left.push_back(nodes_[r]);
       }
       component = numbers[r];
     }
   for (uint32_t node = 0; node < nodes_.size(); ++node)
-    if (groups_.stands_for_one(node) && numbers[node] == Border::kNone) finished_(nodes_[node]);
+    if (groups_.stands_for_one(node) && numbers[node] == kNone) finished_(nodes_[node]);
   nodes_ = std::move(left);
   groups_ = Groups(nodes_.size());
 }

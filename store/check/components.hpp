@@ -14,16 +14,15 @@ namespace teracell::inline store {
 
 struct Component {
   Label label = 0;
-  uint32_t thinnest = 0;         // the least number that came with a run
+  uint32_t thinnest = 0;         // of thin cells: the least thickness, in half cells
   unsigned __int128 cells = 0;
   std::array<uint32_t, 3> lo{~0u, ~0u, ~0u}, hi{};  // by u, v, w; half open
-  std::array<uint32_t, 3> first{~0u, ~0u, ~0u};     // the cell that comes first in the order z, y, x: by z, y, x
+  std::array<uint32_t, 3> first{~0u, ~0u, ~0u};     // of the thinnest, the cell that comes first in the order z, y, x: by z, y, x
   void add(const Component& other);
 };
 
 // Rays along a border of a block, as runs with the components that they belong to.
 struct Border {
-  static constexpr uint32_t kNone = ~uint32_t{0};
   std::vector<uint32_t> begin{0}, ends, components;
   uint32_t rays() const { return static_cast<uint32_t>(begin.size()) - 1; }
 };
@@ -33,26 +32,17 @@ struct BlockComponents {
   std::array<Border, 4> borders;  // the rays with the lowest u, the highest u, the lowest v, the highest v
 };
 
-// What a set of a run of rays means: which label it belongs to, or that it belongs to none, and a number.
-struct Meaning {
-  static constexpr Label kNothing = ~Label{0};
-  Label label;
-  uint32_t number;
-};
-
 // Each thread has its own.
 class BlockLabeller {
  public:
   // `window`: of the rays; its first ray is (u, v) of the grid.
-  BlockComponents components(const RayBlock& rays, const RayWindow& window, uint32_t u, uint32_t v, const RayFrame& frame,
-                             const std::function<Meaning(SetId)>& meaning);
+  BlockComponents components(const RayBlock& rays, const RayWindow& window, uint32_t u, uint32_t v, const RayFrame& frame);
 
  private:
   static bool follows(const RayBlock& rays, uint32_t a, uint32_t b);
   void join_rays(const RayBlock& rays, uint32_t a, uint32_t first_a, uint32_t b, uint32_t first_b);
   void count(const RayBlock& rays, uint32_t ray, uint32_t first, uint32_t u, uint32_t v, const RayFrame& frame);
 
-  std::vector<Meaning> meanings_;  // of sets
   Groups groups_;                  // of nodes
   std::vector<Component> nodes_;   // of the runs of a ray that took over nothing; its first run's place is what rays take over
   std::vector<uint32_t> first_;    // node of each ray

@@ -11,9 +11,9 @@ namespace teracell::inline store {
 using CellCount = unsigned __int128;
 
 // The kinds, in the order in which they are listed, and their names.
-enum class FindingKind { empty, winding, cap, seam, overlap, lost_stretch, lost_gap, thin, island, enclosed, cut };
+enum class FindingKind { empty, winding, cap, seam, overlap, lost_stretch, lost_gap, thin, narrow, island, enclosed, cut };
 inline constexpr const char* kFindingKinds[] = {"empty",    "winding", "cap",    "seam",     "overlap", "lost_stretch",
-                                                "lost_gap", "thin",    "island", "enclosed", "cut"};
+                                                "lost_gap", "thin",    "narrow", "island", "enclosed", "cut"};
 inline constexpr size_t kFindingKindCount = std::size(kFindingKinds);
 
 enum class FindingLevel { error, warning, note };
@@ -40,9 +40,9 @@ struct KindTotal {
 // How thick the walls of a body are.
 struct WallReport {
   std::string body;
-  std::optional<uint32_t> thinnest;      // cells; nothing where all are thicker than kThickest
+  std::optional<double> thinnest;        // cells; nothing where all are 8 or more
   std::optional<Vec3> at;                // a cell of that thickness
-  std::array<CellCount, 9> histogram{};  // cells of thickness 1 to 8, and more
+  std::array<CellCount, 8> histogram{};  // cells of thickness 1, 2, .. 7 (by the whole part), and 8 or more
 };
 
 struct Findings {

@@ -46,7 +46,7 @@ test("walls have their histograms, and the list can be about one body", async ()
   assert.equal(await page.locator(".wall").count(), document.walls.length);
   const wall = document.walls.find((w) => w.thinnest_cells !== null);
   const label = await page.locator(".wall", { hasText: wall.body }).locator(".histogram").getAttribute("aria-label");
-  assert.ok(label.startsWith(`${String(wall.histogram[wall.thinnest_cells - 1]).replace(/\B(?=(\d{3})+$)/g, "\u202f")} cell`), label);
+  assert.ok(label.startsWith(`${String(wall.histogram[Math.floor(wall.thinnest_cells) - 1]).replace(/\B(?=(\d{3})+$)/g, "\u202f")} cell`), label);
   const body = document.findings.find((f) => f.kind === "cut").bodies[0];
   await page.getByLabel("The body whose findings are listed").selectOption(body);
   const kinds = new Set(document.findings.filter((f) => f.bodies.includes(body)).map((f) => f.kind));

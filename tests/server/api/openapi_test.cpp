@@ -67,7 +67,7 @@ TEST_CASE("Every answer is described, and what the program fills in", "[server]"
 TEST_CASE("Every address of the description answers as the description says", "[server]") {
   Served s;
   std::ofstream(s.folder / "bad.tcell") << "nothing of a grid";
-  std::ofstream(s.folder / "g.check.json") << findings_json(check(GridReader(s.path), 1, [](double) {}));
+  std::ofstream(s.folder / "g.check.json") << findings_json(check(GridReader(s.path), {}, [](double) {}));
   s.service->grids().look();
   const json api = s.parsed("/openapi.json");
   CHECK(api["openapi"] == "3.1.0");

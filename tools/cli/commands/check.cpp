@@ -20,7 +20,7 @@ constexpr size_t kMostLines = 8;  // of a kind, as text
 struct CheckArguments {
   GridArgument grid;
   std::string output, progress = "auto";
-  int threads = 0;
+  CheckOptions options{.threads = 0};
   bool json = false;
 };
 
@@ -29,7 +29,9 @@ void run(const CheckArguments& o) {
                                        : is_address(o.grid.name) ? std::filesystem::path()
                                                                  : kept_findings(o.grid.name);
   if (!output.empty()) refuse_overwriting({o.grid.name}, output.string());
-  const Findings findings = check_grid(o.grid, output, threads_or_all(o.threads), o.progress);
+  CheckOptions options = o.options;
+  options.threads = threads_or_all(options.threads);
+  const Findings findings = check_grid(o.grid, output, options, o.progress);
   if (o.json) {
     std::cout << findings_json(findings) << "\n";
     return;
@@ -43,7 +45,7 @@ void run(const CheckArguments& o) {
 
 }  // namespace
 
-Findings check_grid(const GridArgument& grid, const std::filesystem::path& output, int threads, const std::string& progress) {
+Findings check_grid(const GridArgument& grid, const std::filesystem::path& output, const CheckOptions& options, const std::string& progress) {
   const Wanted wanted = until_interrupted(output.string());
   const GridReader reader = open_grid(grid, std::make_shared<KeptChunks>(kCheckKeeps));
   std::optional<OutputFile> file;
@@ -51,7 +53,7 @@ Findings check_grid(const GridArgument& grid, const std::filesystem::path& outpu
   Findings findings;
   {
     ProgressLine line(progress, "");
-    findings = check(reader, threads, [&](double share) { line("check", share); });
+    findings = check(reader, options, [&](double share) { line("check", share); });
   }
   if (file) {
     const std::string json = findings_json(findings) + "\n";
@@ -74,11 +76,16 @@ Run setup_check(CLI::App& app) {
   const auto o = std::make_shared<CheckArguments>();
   add_grid(app, o->grid);
   app.add_option("-o,--output", o->output, "where to keep what is found (default: beside the grid, as G.check.json; nowhere for an address)");
-  add_threads(app, o->threads);
+  const auto cells = [&](const char* name, double& value, const char* what) {
+    app.add_option(name, value, what)->check(CLI::Range(0., 8.))->capture_default_str();
+  };
+  cells("--thin-cells", o->options.thin_cells, "walls that are thinner than this many cells are found");
+  cells("--narrow-cells", o->options.narrow_cells, "gaps of the background that are narrower than this many cells are found");
+  add_threads(app, o->options.threads);
   app.add_flag("--json", o->json, "as JSON");
   add_progress(app, o->progress);
   app.footer(
-      "Walls are measured in cells, exactly, from runs. The exit status is 0 whatever is found. The dashboard shows what is kept beside the\n"
+      "The thickness of a wall is that of the largest balls in it, in cells: a step, or a pole that the grid grazes, is none. The exit status is 0 whatever is found. The dashboard shows what is kept beside the\n"
       "grid. Example:\n  teracell check g.tcell");
   return [o] { run(*o); };
 }

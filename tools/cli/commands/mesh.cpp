@@ -31,7 +31,7 @@ void run(const MeshArguments& o) {
   if (options.shard) return say_part(part_path(o.output, *options.shard).string(), report);
   if (report_file) write_report(report, *report_file, o.output);
   say_grid(o.output, report);
-  if (o.check) say_findings(o.output, check_grid({o.output, {}}, kept_findings(o.output), threads_or_all(o.threads), o.progress));
+  if (o.check) say_findings(o.output, check_grid({o.output, {}}, kept_findings(o.output), {.threads = threads_or_all(o.threads)}, o.progress));
 }
 
 }  // namespace

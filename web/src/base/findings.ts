@@ -3,7 +3,7 @@
 export const LEVELS = ["error", "warning", "note"] as const;
 export type Level = (typeof LEVELS)[number];
 export type Kind =
-  | "empty" | "winding" | "cap" | "seam" | "overlap" | "lost_stretch" | "lost_gap" | "thin" | "island" | "enclosed" | "cut";
+  | "empty" | "winding" | "cap" | "seam" | "overlap" | "lost_stretch" | "lost_gap" | "thin" | "narrow" | "island" | "enclosed" | "cut";
 
 export interface Finding {
   kind: Kind;
@@ -19,7 +19,7 @@ export interface Wall {
   body: string;
   thinnest_cells: number | null;
   at: [number, number, number] | null;
-  histogram: number[]; // cells of thickness 1 to 8, and more
+  histogram: number[]; // cells of thickness 1, 2, .. 7 (by the whole part), and 8 or more
 }
 
 export interface Findings {

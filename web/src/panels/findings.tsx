@@ -106,7 +106,7 @@ function GroupOf({ viewer, group, on_open, on_visit }: GroupProps) {
 }
 
 function WallLine({ viewer, wall }: { viewer: Viewer; wall: Wall }) {
-  const thin = wall.histogram.slice(0, 8);
+  const thin = wall.histogram.slice(0, 7);
   const most = Math.max(...thin, 1);
   const words = thin.flatMap((n, i) => (n > 0 ? [`${plural(n, "cell")} in walls of ${plural(i + 1, "cell")}`] : [])).join(", ");
   return (
@@ -114,7 +114,7 @@ function WallLine({ viewer, wall }: { viewer: Viewer; wall: Wall }) {
       <div class="finding-line">
         <span>
           <b>{wall.body}</b>{" "}
-          <span class="faint">{wall.thinnest_cells === null ? "is thicker than 8 cells everywhere" : `thinnest: ${plural(wall.thinnest_cells, "cell")}`}</span>
+          <span class="faint">{wall.thinnest_cells === null ? "is at least 8 cells thick everywhere" : `thinnest: ${plural(wall.thinnest_cells, "cell")}`}</span>
         </span>
         {wall.at && <GoThere what={`the thinnest wall of ${wall.body}`} go={() => viewer.visit(wall.at!, extent_of(viewer, { at: wall.at, box: null }))} />}
       </div>
@@ -169,7 +169,7 @@ export function FindingsList({ viewer, findings, on_focus }: { viewer: Viewer; f
       {walls.length > 0 && (
         <section>
           <h3>Walls</h3>
-          <p class="note">How many cells lie in walls of 1 to 8 cells.</p>
+          <p class="note">How many cells lie in walls of 1 to 7 cells.</p>
           <FirstOf class="walls" list={walls} step={MANY}>{(wall) => <WallLine key={wall.body} viewer={viewer} wall={wall} />}</FirstOf>
         </section>
       )}
