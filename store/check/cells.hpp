@@ -4,6 +4,7 @@
 
 #include "store/check/check.hpp"
 #include "store/check/components.hpp"
+#include "store/check/thickness.hpp"
 
 namespace teracell::inline store {
 

@@ -155,7 +155,7 @@ TEST_CASE("Text for people says first how bad it is, lists some of each kind, an
   CHECK(findings_text(findings, 5) == "nothing was found");
   for (int i = 0; i < 1003; ++i)
     add_finding(findings, {FindingKind::island, FindingLevel::warning, {"a"}, 2, Vec3{1, 2, 3}, std::nullopt, "An island."});
-  findings.walls.push_back({"a", 2, Vec3{}, {0, 1234567, 0, 0, 0, 0, 0, 0, 5}});
+  findings.walls.push_back({"a", 2, Vec3{}, {0, 1234567, 0, 0, 0, 0, 0, 5}});
   findings.not_looked_at.push_back("This.");
   const std::string text = findings_text(findings, 2);
   CHECK(text.starts_with("0 errors, 1,000 warnings, 0 notes of 1,003 in all\n  warning  island        An island.  at (1, 2, 3)\n"));
