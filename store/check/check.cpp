@@ -18,10 +18,12 @@ class Sentences {
   void add(const CellFacts& facts) {
     for (const Component& c : facts.thin.sorted())
       of_cells(FindingKind::thin, c.thinnest < 4 ? FindingLevel::warning : FindingLevel::note, c,
-               fmt::format("A wall of '{}' is {} thick where it is thinnest: {} are below {:g}.", name(c.label), thick(c.thinnest), cells_of(c), options_.thin_cells));
+               fmt::format("A wall of '{}' is {} thick where it is thinnest: {} are below {:g}.", name(c.label), thick(c.thinnest), cells_of(c),
+                           options_.thin_cells));
     for (const Component& c : facts.narrow.sorted())
       of_cells(FindingKind::narrow, c.thinnest < 4 ? FindingLevel::warning : FindingLevel::note, c,
-               fmt::format("A gap of '{}' is {} wide where it is narrowest: {} are below {:g}.", name(0), thick(c.thinnest), cells_of(c), options_.narrow_cells));
+               fmt::format("A gap of '{}' is {} wide where it is narrowest: {} are below {:g}.", name(0), thick(c.thinnest), cells_of(c),
+                           options_.narrow_cells));
     for (const Component& c : facts.islands.sorted())
       of_cells(FindingKind::island, FindingLevel::warning, c,
                fmt::format("{} of '{}' {} connected to the rest of it through no face.", cells_of(c), name(c.label), c.cells == 1 ? "is" : "are"));

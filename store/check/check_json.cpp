@@ -42,7 +42,8 @@ void add_walls(std::vector<std::string>& lines, const std::vector<WallReport>& w
   if (walls.empty()) return;
   lines.push_back("");
   if (thin.empty()) return lines.push_back("Walls: all are 8 cells thick or more.");
-  std::ranges::stable_sort(thin, {}, [](const WallReport* wall) { return std::tuple(*wall->thinnest, ~wall->histogram[static_cast<size_t>(*wall->thinnest) - 1]); });
+  std::ranges::stable_sort(
+      thin, {}, [](const WallReport* wall) { return std::tuple(*wall->thinnest, ~wall->histogram[static_cast<size_t>(*wall->thinnest) - 1]); });
   lines.push_back("Cells by the thickness of the wall that they lie in:");
   size_t width = 4;
   for (size_t i = 0; i < std::min(most, thin.size()); ++i) width = std::max(width, thin[i]->body.size());

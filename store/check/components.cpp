@@ -48,8 +48,7 @@ void BlockLabeller::join_rays(const RayBlock& rays, uint32_t a, uint32_t first_a
   const std::span<const uint32_t> changes_a = rays.changes(a), changes_b = rays.changes(b);
   const auto end = [&](std::span<const uint32_t> changes, size_t i) { return i < changes.size() ? changes[i] : rays.length; };
   for (size_t i = 0, j = 0; i < sets_a.size() && j < sets_b.size();) {
-    if (sets_a[i] == sets_b[j])
-      groups_.join(first_a + static_cast<uint32_t>(i), first_b + static_cast<uint32_t>(j));
+    if (sets_a[i] == sets_b[j]) groups_.join(first_a + static_cast<uint32_t>(i), first_b + static_cast<uint32_t>(j));
     const uint32_t end_a = end(changes_a, i), end_b = end(changes_b, j);
     i += end_a <= end_b;
     j += end_b <= end_a;

@@ -15,7 +15,8 @@ struct Cells {
 // Chunks of some columns, with all their segments.
 class Columns {
  public:
-  Columns(const GridReader& reader, std::span<const Label> here, const LevelShape& shape, uint32_t cu0, uint32_t cv0, uint32_t cu1, uint32_t cv1, std::shared_ptr<Chunk>& scratch)
+  Columns(const GridReader& reader, std::span<const Label> here, const LevelShape& shape, uint32_t cu0, uint32_t cv0, uint32_t cu1, uint32_t cv1,
+          std::shared_ptr<Chunk>& scratch)
       : shape_(shape), cu0_(cu0), cv0_(cv0), width_(cu1 - cu0), here_(here) {
     for (uint32_t cv = cv0; cv < cv1; ++cv)
       for (uint32_t cu = cu0; cu < cu1; ++cu)

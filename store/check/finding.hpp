@@ -12,7 +12,7 @@ using CellCount = unsigned __int128;
 
 // The kinds, in the order in which they are listed, and their names.
 enum class FindingKind { empty, winding, cap, seam, overlap, lost_stretch, lost_gap, thin, narrow, island, enclosed, cut };
-inline constexpr const char* kFindingKinds[] = {"empty",    "winding", "cap",    "seam",     "overlap", "lost_stretch",
+inline constexpr const char* kFindingKinds[] = {"empty",    "winding", "cap",    "seam",   "overlap",  "lost_stretch",
                                                 "lost_gap", "thin",    "narrow", "island", "enclosed", "cut"};
 inline constexpr size_t kFindingKindCount = std::size(kFindingKinds);
 

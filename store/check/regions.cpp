@@ -23,7 +23,11 @@ BlockRegions regions_of(std::span<const ThinRun> runs, const RayWindow& block, c
   for (const ThinRun& run : runs) {
     const auto node = static_cast<uint32_t>(nodes.size());
     const Index3 first = frame.cell(run.u, run.v, run.from);
-    nodes.push_back({run.label, run.halves, run.to - run.from, {run.u, run.v, run.from}, {run.u + 1, run.v + 1, run.to},
+    nodes.push_back({run.label,
+                     run.halves,
+                     run.to - run.from,
+                     {run.u, run.v, run.from},
+                     {run.u + 1, run.v + 1, run.to},
                      {static_cast<uint32_t>(first[2]), static_cast<uint32_t>(first[1]), static_cast<uint32_t>(first[0])}});
     groups.add();
     const RegionRun mine{run.u, run.v, run.from, run.to, node, run.label};

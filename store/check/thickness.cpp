@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdlib>
+#include <ranges>
 
 namespace teracell::inline store {
 namespace {
@@ -10,6 +10,7 @@ namespace {
 constexpr int kDeep2 = 20;   // cells up to this squared distance are inside where a centre is 4.5 cells deep
 constexpr int kReach2 = 56;  // cells up to this squared distance are within 7.5 cells
 constexpr int kLattice = 3;
+constexpr uint32_t kUnknown = ~0u;
 constexpr int kMargin = static_cast<int>(Field::kMargin);  // 7.5 cells to a centre, and 4.5 from there
 
 constexpr int root(int square) {
@@ -34,26 +35,21 @@ const std::vector<Beside>& rays_within_depth() {
   return out;
 }
 
-// The rays of the lattice near a ray that is (du, dv) beyond one of them: by steps of the lattice, the nearest first.
-const std::vector<Beside>& lattice_near(uint32_t du, uint32_t dv) {
-  static const std::array<std::vector<Beside>, kLattice * kLattice> out = [] {
-    std::array<std::vector<Beside>, kLattice * kLattice> all;
-    for (int i = 0; i < kLattice * kLattice; ++i) {
-      const auto square = [&](const Beside& b) {
-        const int u = kLattice * b.u - i % kLattice, v = kLattice * b.v - i / kLattice;
-        return u * u + v * v;
-      };
-      for (int v = -2; v <= 3; ++v)
-        for (int u = -2; u <= 3; ++u)
-          if (Beside b{u, v, 0}; square(b) <= kReach2) {
-            b.reach = root(kReach2 - square(b));
-            all[i].push_back(b);
-          }
-      std::ranges::stable_sort(all[i], {}, square);
-    }
+// The rays near a ray, the nearest first, by how far this one lies beyond every third ray along u and v. First those of every third row and column.
+const std::array<std::vector<Beside>, 2>& rays_near(uint32_t ray_u, uint32_t ray_v) {
+  static const auto out = [] {
+    std::array<std::array<std::vector<Beside>, 2>, kLattice * kLattice> all;
+    for (int i = 0; i < kLattice * kLattice; ++i)
+      for (int v = -7; v <= 7; ++v)
+        for (int u = -7; u <= 7; ++u) {
+          const bool third = (u + i % kLattice) % kLattice == 0 && (v + i / kLattice) % kLattice == 0;
+          if (const int square = u * u + v * v; square <= kReach2) all[i][third ? 0 : 1].push_back({u, v, root(kReach2 - square)});
+        }
+    for (auto& both : all)
+      for (auto& near : both) std::ranges::stable_sort(near, {}, [](const Beside& b) { return b.u * b.u + b.v * b.v; });
     return all;
   }();
-  return out[dv * kLattice + du];
+  return out[ray_v % kLattice * kLattice + ray_u % kLattice];
 }
 
 // A run, less `reach` cells at its ends. The domain's sides are no ends.
@@ -70,8 +66,7 @@ constexpr int kTile = 32, kSlab = 32;
 constexpr int kSide = kTile + 2 * kMargin;        // of the cells; corners are one more
 constexpr int kRow = kSide + 1, kPlane = kRow * kRow, kBlock = kRow * kRow * kRow;
 static_assert(kTile == kSlab);
-// Of the centres that are near a cell of the block, by their positions: the first, and the one after the last.
-constexpr int kNearest = kMargin - 7, kFarthest = kMargin + kTile + 8;
+constexpr int kBeyond = kMargin - 7;  // centres that are nearer to the block's ends are not near its cells
 constexpr uint8_t kFar = 100;  // squared half cells: deeper is as deep as 9 half cells
 
 // The thickness, in half cells, that a centre with this squared distance (in half cells) to the nearest cell outside allows.
@@ -114,31 +109,36 @@ const std::vector<Centre>& centres_near() {
   return out;
 }
 
+// The part of the block that is in use: so many positions along v, u and w, of the corners.
+using Extent = std::array<int, 3>;
+
 // One axis of the distance to the nearest cell outside (P. Felzenszwalb, D. Huttenlocher, 2012), of which no more than 4.5 cells matter: each value
 // becomes the least of those around it and their squared distance along the axis. `corner`: from cells to the corners before and after them.
-void along(int step, bool corner, const std::vector<uint8_t>& in, std::vector<uint8_t>& out) {
-  out.assign(in.size(), kFar);
-  for (int t = corner ? -5 : -4; t <= 4; ++t) {
-    const int half = corner ? 2 * t + 1 : 2 * t;
-    const auto square = static_cast<uint8_t>(half * half);
-    const int shift = t * step, begin = std::max(0, -shift), end = kBlock - std::max(0, shift);
-    for (int i = begin; i < end; ++i) {
-      const auto value = static_cast<uint8_t>(in[static_cast<size_t>(i + shift)] + square);
-      if (value < out[static_cast<size_t>(i)]) out[static_cast<size_t>(i)] = value;
+void along(size_t axis, bool corner, const Extent& size, const std::vector<uint8_t>& in, std::vector<uint8_t>& out) {
+  constexpr std::array<int, 3> kStep{kPlane, kRow, 1};
+  for (int v = 0; v < size[0]; ++v)
+    for (int u = 0; u < size[1]; ++u) {
+      const int first = v * kPlane + u * kRow;
+      uint8_t* const to = out.data() + first;
+      std::fill_n(to, size[2], kFar);
+      for (int t = corner ? -5 : -4; t <= 4; ++t) {
+        const int half = corner ? 2 * t + 1 : 2 * t, at = axis == 0 ? v : u;
+        if (axis != 2 && (at + t < 0 || at + t >= size[axis])) continue;
+        const auto square = static_cast<uint8_t>(half * half);
+        const uint8_t* const from = in.data() + first + t * kStep[axis];
+        const int begin = axis == 2 ? std::max(0, -t) : 0, end = size[2] - (axis == 2 ? std::max(0, t) : 0);
+        for (int w = begin; w < end; ++w) to[w] = std::min(to[w], static_cast<uint8_t>(from[w] + square));
+      }
     }
-  }
 }
 
 }  // namespace
 
 const std::vector<ThinRun>& Thickness::thin_runs(const Field& field) {
   out_.clear();
-  find_cores(field);
   find_doubtful(field);
-  const auto tile_of = [&](const Stretch& s) {
-    return std::tuple(s.label, (s.v - field.column.v0) / kTile, (s.u - field.column.u0) / kTile);
-  };
-  std::ranges::stable_sort(doubtful_, {}, tile_of);
+  const auto tile_of = [&](const Stretch& s) { return std::tuple(s.label, (s.v - field.column.v0) / kTile, (s.u - field.column.u0) / kTile); };
+  std::ranges::sort(doubtful_, {}, [&](const Stretch& s) { return std::pair(tile_of(s), s.from); });
   for (size_t begin = 0, end; begin < doubtful_.size(); begin = end) {
     for (end = begin + 1; end < doubtful_.size() && tile_of(doubtful_[end]) == tile_of(doubtful_[begin]);) ++end;
     look_at(field.rays, std::span(doubtful_).subspan(begin, end - begin));
@@ -159,24 +159,18 @@ const std::vector<ThinRun>& Thickness::thin_runs(const Field& field) {
   return out_;
 }
 
-void Thickness::find_cores(const Field& field) {
-  const RayBlock& rays = field.rays;
-  const auto first = [](uint32_t from, uint32_t to) { return std::min(from - std::min(from, 7u) + 1, to - 1); };
-  lattice_u_ = first(field.column.u0, rays.nu), lattice_v_ = first(field.column.v0, rays.nv);
-  const auto count = [](uint32_t begin, uint32_t end) { return (end - 1 - begin) / kLattice + 1; };
-  lattice_nu_ = count(lattice_u_, std::min(field.column.u1 + 7, rays.nu));
-  lattice_nv_ = count(lattice_v_, std::min(field.column.v1 + 7, rays.nv));
-  cores_.clear(), core_begin_.assign(1, 0);
-  for (uint32_t j = 0; j < lattice_nv_; ++j)
-    for (uint32_t i = 0; i < lattice_nu_; ++i) {
-      const uint32_t u = lattice_u_ + kLattice * i, v = lattice_v_ + kLattice * j;
-      uint32_t run = 0;
-      rays.for_each_run(v * rays.nu + u, [&](uint32_t from, uint32_t to, SetId label) {
-        if (walls_[label]) add_core(rays, u, v, run, {from, to}, static_cast<Label>(label));
-        ++run;
-      });
-      core_begin_.push_back(static_cast<uint32_t>(cores_.size()));
-    }
+std::span<const Thickness::Core> Thickness::cores_of(const RayBlock& rays, uint32_t u, uint32_t v) {
+  const uint32_t ray = v * rays.nu + u;
+  if (cores_of_[ray].from == kUnknown) {
+    const auto begin = static_cast<uint32_t>(cores_.size());
+    uint32_t run = 0;
+    rays.for_each_run(ray, [&](uint32_t from, uint32_t to, SetId label) {
+      if (walls_[label]) add_core(rays, u, v, run, {from, to}, static_cast<Label>(label));
+      ++run;
+    });
+    cores_of_[ray] = {begin, static_cast<uint32_t>(cores_.size())};
+  }
+  return std::span(cores_).subspan(cores_of_[ray].from, cores_of_[ray].to - cores_of_[ray].from);
 }
 
 // Keeps one interval of a run: what is lost that way is looked at cell by cell.
@@ -189,7 +183,9 @@ void Thickness::add_core(const RayBlock& rays, uint32_t u, uint32_t v, uint32_t 
     if (other_u < 0 || other_v < 0 || other_u >= rays.nu || other_v >= rays.nv) continue;  // beyond the domain
     const auto other = static_cast<uint32_t>(other_v * rays.nu + other_u);
     const std::span<const uint32_t> changes = rays.changes(other);
-    const auto ends = [&](size_t i) { return shrunk(i == 0 ? 0 : changes[i - 1], i < changes.size() ? changes[i] : rays.length, b.reach, rays.length); };
+    const auto ends = [&](size_t i) {
+      return shrunk(i == 0 ? 0 : changes[i - 1], i < changes.size() ? changes[i] : rays.length, b.reach, rays.length);
+    };
     Ends best{0, 0};
     if (rays.pattern[other] == rays.pattern[ray]) {
       const Ends there = ends(run);
@@ -210,106 +206,126 @@ void Thickness::add_core(const RayBlock& rays, uint32_t u, uint32_t v, uint32_t 
 // What no core near it proves.
 void Thickness::find_doubtful(const Field& field) {
   const RayBlock& rays = field.rays;
-  doubtful_.clear();
-  const auto beyond = [](uint32_t at, uint32_t lattice) { return static_cast<uint32_t>((int64_t{at} - lattice + kLattice) % kLattice); };
+  doubtful_.clear(), cores_.clear();
+  cores_of_.assign(size_t{rays.nu} * rays.nv, {kUnknown, kUnknown});
   for (uint32_t v = field.column.v0; v < field.column.v1; ++v)
-    for (uint32_t u = field.column.u0; u < field.column.u1; ++u) {
-      const uint32_t du = beyond(u, lattice_u_), dv = beyond(v, lattice_v_);
-      const int64_t i0 = (int64_t{u} - du - lattice_u_) / kLattice, j0 = (int64_t{v} - dv - lattice_v_) / kLattice;
+    for (uint32_t u = field.column.u0; u < field.column.u1; ++u)
       rays.for_each_run(v * rays.nu + u, [&](uint32_t from, uint32_t to, SetId label) {
         if (!walls_[label]) return;
         left_.assign(1, {from, to});
-        for (const Beside& b : lattice_near(du, dv)) {
-          const int64_t i = i0 + b.u, j = j0 + b.v;
-          if (i < 0 || j < 0 || i >= lattice_nu_ || j >= lattice_nv_) continue;
-          const auto at = static_cast<size_t>(j * lattice_nu_ + i);
-          for (uint32_t c = core_begin_[at]; c < core_begin_[at + 1]; ++c) {
-            if (cores_[c].label != label) continue;
-            const auto reach = static_cast<uint32_t>(b.reach);
-            const uint32_t proven_from = cores_[c].from - std::min(cores_[c].from, reach), proven_to = cores_[c].to + reach;
-            next_.clear();
-            for (const Interval& one : left_) {
-              if (one.from < proven_from) next_.push_back({one.from, std::min(one.to, proven_from)});
-              if (one.to > proven_to) next_.push_back({std::max(one.from, proven_to), one.to});
-            }
-            std::swap(left_, next_);
+        for (const std::vector<Beside>& near : rays_near(u, v))
+          for (const Beside& b : near) {
+            const int64_t other_u = int64_t{u} + b.u, other_v = int64_t{v} + b.v;
+            if (other_u < 0 || other_v < 0 || other_u >= rays.nu || other_v >= rays.nv) continue;
+            take_proven(cores_of(rays, static_cast<uint32_t>(other_u), static_cast<uint32_t>(other_v)), static_cast<Label>(label),
+                        static_cast<uint32_t>(b.reach));
+            if (left_.empty()) return;
           }
-          if (left_.empty()) return;
-        }
         for (const Interval& one : left_) doubtful_.push_back({u, v, one.from, one.to, static_cast<Label>(label)});
       });
-    }
 }
 
-// Cells along the rays are alike where nothing changes near them; elsewhere they are measured some at a time.
-void Thickness::look_at(const RayBlock& rays, std::span<const Stretch> tile) {
-  uint32_t u0 = ~0u, u1 = 0, v0 = ~0u, v1 = 0;
-  left_.clear();
+// Takes what lies within `reach` cells of the cores out of what is left of a run.
+void Thickness::take_proven(std::span<const Core> cores, Label label, uint32_t reach) {
+  for (const Core& core : cores) {
+    if (core.label != label) continue;
+    const uint32_t from = core.from - std::min(core.from, reach), to = core.to + reach;
+    if (to <= left_.front().from || from >= left_.back().to) continue;
+    next_.clear();
+    for (const Interval& one : left_) {
+      if (one.from < from) next_.push_back({one.from, std::min(one.to, from)});
+      if (one.to > to) next_.push_back({std::max(one.from, to), one.to});
+    }
+    std::swap(left_, next_);
+    if (left_.empty()) return;
+  }
+}
+
+// Stretches of one label, by where they begin. They are measured some cells at a time; where nothing changes near them, all cells along the rays are
+// like the first.
+void Thickness::look_at(const RayBlock& rays, std::span<Stretch> tile) {
+  constexpr auto kNear = static_cast<uint32_t>(kMargin);
+  find_changes(rays, tile);
+  uint32_t at = 0;  // all before are done
+  for (size_t begin = 0; begin < tile.size();) {
+    at = std::max(at, tile[begin].from);
+    Interval valid{at, at + kSlab};
+    bool alike = false;
+    const auto next = std::ranges::lower_bound(changes_, at - std::min(at, kNear - 1));  // the change that comes next, unless it is near already
+    if (next != changes_.end() && *next > at + kNear + kSlab) alike = true, valid.to = *next - kNear;
+    block_.clear();
+    for (size_t i = begin; i < tile.size() && tile[i].from < valid.to; ++i)
+      if (tile[i].to > at) block_.push_back(tile[i]);
+    valid.to = std::min(valid.to, std::ranges::max(block_, {}, &Stretch::to).to);
+    measure(rays, block_, {at, alike ? at + 1 : valid.to}, valid);
+    at = valid.to;
+    while (begin < tile.size() && tile[begin].to <= at) ++begin;
+  }
+}
+
+// All changes near the stretches, where some of these are long.
+void Thickness::find_changes(const RayBlock& rays, std::span<const Stretch> tile) {
+  changes_.clear();
+  uint32_t u0 = ~0u, u1 = 0, v0 = ~0u, v1 = 0, longest = 0;
   for (const Stretch& s : tile) {
     u0 = std::min(u0, s.u), u1 = std::max(u1, s.u + 1), v0 = std::min(v0, s.v), v1 = std::max(v1, s.v + 1);
-    left_.push_back({s.from, s.to});
+    longest = std::max(longest, s.to - s.from);
   }
-  changes_ = {0, rays.length};
+  if (longest <= kSlab) return;
   constexpr auto kNear = static_cast<uint32_t>(kMargin);
+  changes_ = {0, rays.length};
   for (uint32_t v = v0 - std::min(v0, kNear); v < std::min(v1 + kNear, rays.nv); ++v)
     for (uint32_t u = u0 - std::min(u0, kNear); u < std::min(u1 + kNear, rays.nu); ++u) {
       const std::span<const uint32_t> changes = rays.changes(v * rays.nu + u);
       changes_.insert(changes_.end(), changes.begin(), changes.end());
     }
   std::ranges::sort(changes_);
-  std::ranges::sort(left_, {}, &Interval::from);
-  uint32_t at = 0;  // all before are done
-  for (const Interval& one : left_) {
-    at = std::max(at, one.from);
-    while (at < one.to) {
-      // The change that comes next, unless it is near already.
-      const auto next = std::ranges::lower_bound(changes_, at - std::min(at, kNear - 1));
-      uint32_t to = std::min(at + kSlab, one.to);
-      Interval valid{at, to};
-      if (next != changes_.end() && *next > at + kNear) {
-        valid = {at, std::max(at + 1, std::min(one.to, *next - kNear))};
-        to = at + 1;
-      }
-      measure(rays, tile, u0, v0, {at, to}, valid);
-      at = valid.to;
-    }
-  }
 }
 
-// Measures the cells of the tile in [cells.from, cells.to) along the rays, of which the first one stands for all in `valid` where these are more.
-// (u, v): the tile's first ray.
-void Thickness::measure(const RayBlock& rays, std::span<const Stretch> tile, uint32_t u, uint32_t v, Interval cells, Interval valid) {
-  const Label label = tile.front().label;
-  const std::array<int64_t, 3> origin = {int64_t{v} - kMargin, int64_t{u} - kMargin, int64_t{cells.from} - kMargin};
+// Measures the cells of the stretches in [cells.from, cells.to) along the rays, of which the first one stands for all in `valid` where these are
+// more.
+void Thickness::measure(const RayBlock& rays, std::span<const Stretch> block, Interval cells, Interval valid) {
+  const Label label = block.front().label;
+  const auto [first_u, last_u] = std::ranges::minmax(block | std::views::transform(&Stretch::u));
+  const auto [first_v, last_v] = std::ranges::minmax(block | std::views::transform(&Stretch::v));
+  const std::array<int64_t, 3> origin = {int64_t{first_v} - kMargin, int64_t{first_u} - kMargin, int64_t{cells.from} - kMargin};
   const std::array<int64_t, 3> size = {rays.nv, rays.nu, rays.length};
-  // The positions of an axis that are in the grid: of cells, and of corners, which are one more.
-  const auto inside = [&](size_t d, int more) {
-    return std::pair(static_cast<int>(std::clamp<int64_t>(-origin[d], 0, kRow)), static_cast<int>(std::clamp<int64_t>(size[d] + more - origin[d], 0, kRow)));
+  const Extent extent = {static_cast<int>(last_v - first_v) + 1 + 2 * kMargin + 1, static_cast<int>(last_u - first_u) + 1 + 2 * kMargin + 1,
+                         static_cast<int>(cells.to - cells.from) + 2 * kMargin + 1};
+  // The positions of an axis that are in the grid, and at least so far from the block's ends: of cells, and of corners, which are one more.
+  const auto inside = [&](size_t d, int more, int within) {
+    return std::pair(static_cast<int>(std::clamp<int64_t>(-origin[d], within, extent[d])),
+                     static_cast<int>(std::clamp<int64_t>(size[d] + more - origin[d], 0, extent[d] - within)));
   };
-  const auto [v0, v1] = inside(0, 0);
-  const auto [u0, u1] = inside(1, 0);
-  const auto [w0, w1] = inside(2, 0);
   const auto at = [](int pv, int pu, int pw) { return static_cast<size_t>(pv * kPlane + pu * kRow + pw); };
-  one_.assign(kBlock, kFar);
+  const auto fill = [&](std::vector<uint8_t>& values, size_t first, uint8_t value) {
+    for (int pv = 0; pv < extent[0]; ++pv)
+      for (int pu = 0; pu < extent[1]; ++pu) std::fill_n(values.begin() + static_cast<ptrdiff_t>(first + at(pv, pu, 0)), extent[2], value);
+  };
+  one_.resize(kBlock), turned_.resize(kBlock), other_.resize(kBlock), centres_.resize(2 * kBlock);
+  fill(one_, 0, kFar), fill(centres_, 0, 0), fill(centres_, kBlock, 0);
+  const auto [v0, v1] = inside(0, 0, 0);
+  const auto [u0, u1] = inside(1, 0, 0);
+  const auto [w0, w1] = inside(2, 0, 0);
   for (int pv = v0; pv < v1; ++pv)
     for (int pu = u0; pu < u1; ++pu)
       rays.for_each_run(static_cast<uint32_t>((origin[0] + pv) * rays.nu + origin[1] + pu), static_cast<uint32_t>(origin[2] + w0),
                         static_cast<uint32_t>(origin[2] + w1), [&](uint32_t from, uint32_t to, SetId set) {
-                          if (set != label) std::fill_n(one_.begin() + static_cast<ptrdiff_t>(at(pv, pu, static_cast<int>(from - origin[2]))), to - from, 0);
+                          if (set != label)
+                            std::fill_n(one_.begin() + static_cast<ptrdiff_t>(at(pv, pu, static_cast<int>(from - origin[2]))), to - from, 0);
                         });
 
-  centres_.assign(2 * kBlock, 0);
   uint8_t most = 0;
   for (const bool corner : {false, true}) {
-    along(1, corner, one_, turned_);
-    along(kRow, corner, turned_, other_);
-    along(kPlane, corner, other_, turned_);
-    const auto [begin_v, end_v] = inside(0, corner);
-    const auto [begin_u, end_u] = inside(1, corner);
-    const auto [begin_w, end_w] = inside(2, corner);
-    for (int pv = std::max(begin_v, kNearest); pv < std::min(end_v, kFarthest); ++pv)
-      for (int pu = std::max(begin_u, kNearest); pu < std::min(end_u, kFarthest); ++pu)
-        for (int pw = std::max(begin_w, kNearest); pw < std::min(end_w, kFarthest); ++pw) {
+    along(2, corner, extent, one_, turned_);
+    along(1, corner, extent, turned_, other_);
+    along(0, corner, extent, other_, turned_);
+    const auto [begin_v, end_v] = inside(0, corner, kBeyond);
+    const auto [begin_u, end_u] = inside(1, corner, kBeyond);
+    const auto [begin_w, end_w] = inside(2, corner, kBeyond);
+    for (int pv = begin_v; pv < end_v; ++pv)
+      for (int pu = begin_u; pu < end_u; ++pu)
+        for (int pw = begin_w; pw < end_w; ++pw) {
           const uint8_t allowed = kAllowed[turned_[at(pv, pu, pw)]];
           centres_[at(pv, pu, pw) + (corner ? kBlock : 0)] = allowed;
           most = std::max(most, allowed);
@@ -329,7 +345,7 @@ void Thickness::measure(const RayBlock& rays, std::span<const Stretch> tile, uin
     return uint32_t{out};
   };
   const bool alike = valid.to > cells.to;
-  for (const Stretch& s : tile) {
+  for (const Stretch& s : block) {
     const uint32_t from = std::max(s.from, valid.from), to = std::min(s.to, valid.to);
     for (uint32_t w = from; w < to;) {
       const uint32_t end = alike ? to : w + 1, halves = measured(s, alike ? cells.from : w);

@@ -4,9 +4,9 @@
 // of the nearest cell outside the body, less 0.5; beyond the domain's sides nothing is. A cell is thin below W when no centre of a depth of at
 // least W / 2 lies within 0.75 W + 1.5 of its centre. Its thickness is the largest W of 1, 1.5, 2 .. 8 below which it isn't thin.
 //
-// Most cells of a body are proven to be thick by runs alone: on every third ray those cells are found that are 4.5 cells deep (a run, less what the
-// rays around it take away), and what lies within 7.5 cells of them is 8 cells thick. Only the rest is looked at cell by cell. All distances
-// are compared by their squares, in whole numbers.
+// Most cells of a body are proven to be thick by runs alone: on rays near them those cells are found that are 4.5 cells deep (a run, less what the
+// rays around it take away), and what lies within 7.5 cells of them is 8 cells thick. Every third ray is tried first. Only the rest is looked at cell
+// by cell. All distances are compared by their squares, in whole numbers.
 #pragma once
 #include "store/check/field.hpp"
 
@@ -35,7 +35,7 @@ class Thickness {
   struct Interval {
     uint32_t from, to;
   };
-  struct Core {  // of a ray of the lattice: cells that are deep
+  struct Core {  // of a ray: cells that are deep
     uint32_t from, to;
     Label label;
   };
@@ -43,19 +43,19 @@ class Thickness {
     uint32_t u, v, from, to;
     Label label;
   };
-  void find_cores(const Field& field);
+  std::span<const Core> cores_of(const RayBlock& rays, uint32_t u, uint32_t v);
   void add_core(const RayBlock& rays, uint32_t u, uint32_t v, uint32_t run, Interval cells, Label label);
   void find_doubtful(const Field& field);
-  void look_at(const RayBlock& rays, std::span<const Stretch> tile);
-  void measure(const RayBlock& rays, std::span<const Stretch> tile, uint32_t u, uint32_t v, Interval cells, Interval valid);
+  void take_proven(std::span<const Core> cores, Label label, uint32_t reach);
+  void look_at(const RayBlock& rays, std::span<Stretch> tile);
+  void find_changes(const RayBlock& rays, std::span<const Stretch> tile);
+  void measure(const RayBlock& rays, std::span<const Stretch> block, Interval cells, Interval valid);
 
   const std::vector<bool> walls_;
-  // Of the lattice: its first ray, how many there are, and their cores.
-  uint32_t lattice_u_ = 0, lattice_v_ = 0, lattice_nu_ = 0, lattice_nv_ = 0;
-  std::vector<uint32_t> core_begin_;
+  std::vector<Interval> cores_of_;  // of each ray: where its cores are among these; kUnknown until they were looked for
   std::vector<Core> cores_;
   std::vector<Interval> left_, next_;
-  std::vector<Stretch> doubtful_;
+  std::vector<Stretch> doubtful_, block_;
   std::vector<uint32_t> changes_;
   std::vector<uint8_t> one_, turned_, other_;  // squared distances in a block of cells
   std::vector<uint8_t> centres_;               // the thickness that its cells, and then its corners, allow

@@ -53,9 +53,7 @@ std::vector<Found> flood(const Cells& cells, const std::vector<uint32_t>* thickn
     }
     out.push_back(found);
   });
-  std::ranges::sort(out, [](const Found& a, const Found& b) {
-    return a.cells != b.cells ? a.cells > b.cells : zyx(a.first) < zyx(b.first);
-  });
+  std::ranges::sort(out, [](const Found& a, const Found& b) { return a.cells != b.cells ? a.cells > b.cells : zyx(a.first) < zyx(b.first); });
   return out;
 }
 

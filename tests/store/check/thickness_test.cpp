@@ -52,7 +52,8 @@ TEST_CASE("The thickness of walls is that of a search over all balls, along ever
     const uint32_t labels = 2 + static_cast<uint32_t>(seed % 2);
     for (int64_t i = 3 + below(8); i > 0; --i) {
       Vec3 at, size;
-      for (size_t d = 0; d < 3; ++d) at[d] = random_in(random, 0, static_cast<double>(cells.n[d])), size[d] = random_in(random, 1, random() % 3 ? 25 : 5);
+      for (size_t d = 0; d < 3; ++d)
+        at[d] = random_in(random, 0, static_cast<double>(cells.n[d])), size[d] = random_in(random, 1, random() % 3 ? 25 : 5);
       const bool ball = random() % 2;
       cells.fill(static_cast<Label>(random() % labels), [&](const Vec3& p) {
         double sum = 0, most = 0;
@@ -92,7 +93,8 @@ TEST_CASE("Plates are as thick as they are, and so is a cube; at the domain's si
       Cells plate({40, 40, 40});
       plate.fill(1, [&](const Vec3& p) { return p[d] > 10 && p[d] < 10 + static_cast<double>(cells_thick); });
       const auto thickness = found(plate, 2, false, {false, true});
-      for (size_t i = 0; i < thickness.size(); ++i) REQUIRE(thickness[i] == (plate.labels[i] ? std::min<uint32_t>(kThickest, 2 * static_cast<uint32_t>(cells_thick)) : 0));
+      for (size_t i = 0; i < thickness.size(); ++i)
+        REQUIRE(thickness[i] == (plate.labels[i] ? std::min<uint32_t>(kThickest, 2 * static_cast<uint32_t>(cells_thick)) : 0));
     }
   Cells cube({30, 30, 30});
   cube.fill(1, [](const Vec3& p) { return std::ranges::all_of(p, [](double x) { return x > 5 && x < 25; }); });
