@@ -24,7 +24,13 @@ void write_finding(JsonWriter& out, const Finding& f) {
 }
 
 void write_wall(JsonWriter& out, const WallReport& wall) {
-  out.begin_object().field("body", wall.body).field("thinnest_cells", wall.thinnest).field("at", wall.at).key("histogram").begin_array();
+  out.begin_object()
+      .field("body", wall.body)
+      .key("thinnest_cells")
+      .raw(wall.thinnest ? fmt::format("{:g}", *wall.thinnest) : "null")
+      .field("at", wall.at)
+      .key("histogram")
+      .begin_array();
   for (const CellCount count : wall.histogram)
     if (count <= ~uint64_t{0}) out.value(static_cast<uint64_t>(count));
     else out.value(static_cast<double>(count));

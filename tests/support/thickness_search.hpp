@@ -40,33 +40,7 @@ inline int64_t squared(const Index3& a, const Index3& b) {
   return out;
 }
 
-// In half cells, 0 for other labels: every ball around each cell. Places are in half cells, too: centres of cells are odd, corners even.
-inline std::vector<uint32_t> by_search(const Cells& cells, Label label) {
-  const Index3 places = {2 * cells.n[0] + 1, 2 * cells.n[1] + 1, 2 * cells.n[2] + 1};
-  const auto number = [&](const Index3& p) { return static_cast<size_t>((p[2] * places[1] + p[1]) * places[0] + p[0]); };
-  const auto centre = [](const Index3& cell) { return Index3{2 * cell[0] + 1, 2 * cell[1] + 1, 2 * cell[2] + 1}; };
-  std::vector<uint32_t> allows(static_cast<size_t>(places[0] * places[1] * places[2]));  // the thickness, of each place
-  Cells::each({0, 0, 0}, places, [&](const Index3& p) {
-    if (p[0] % 2 != p[1] % 2 || p[1] % 2 != p[2] % 2) return;
-    int64_t least = 1000;
-    const auto [lo, hi] = around({p[0] / 2, p[1] / 2, p[2] / 2}, 5, cells.n);
-    Cells::each(lo, hi, [&](const Index3& c) {
-      if (cells.at(c) != label) least = std::min(least, squared(p, centre(c)));
-    });
-    for (int64_t halves = 2; halves <= 16; ++halves)
-      if (4 * least >= (halves + 2) * (halves + 2)) allows[number(p)] = static_cast<uint32_t>(halves);
-  });
-  std::vector<uint32_t> out(cells.labels.size());
-  Cells::each({0, 0, 0}, cells.n, [&](const Index3& c) {
-    if (cells.at(c) != label) return;
-    uint32_t& thickness = out[cells.number(c)];
-    const auto [lo, hi] = around(centre(c), 15, places);
-    Cells::each(lo, hi, [&](const Index3& p) {
-      const int64_t halves = allows[number(p)];
-      if (halves > thickness && 16 * squared(p, centre(c)) <= (3 * halves + 12) * (3 * halves + 12)) thickness = static_cast<uint32_t>(halves);
-    });
-  });
-  return out;
-}
+// In half cells, 0 for other labels: every ball around each place.
+std::vector<uint32_t> by_search(const Cells& cells, Label label);
 
 }  // namespace teracell::testing

@@ -167,7 +167,7 @@ TEST_CASE("walls, components and cells at the sides are those of a search, whate
     thin += expected_thin.size(), islands += expected_islands.size(), enclosed += expected_enclosed.size();
   }
   CHECK(thin > 50);
-  CHECK(narrow > 20);
+  CHECK(narrow > 10);
   CHECK(islands > 100);
   CHECK(enclosed > 5);
 }
