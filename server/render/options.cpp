@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <utility>
 
 #include <fmt/format.h>
@@ -175,9 +176,18 @@ class Options {
       bool found = false;
       for (size_t i = 0; i < out.size(); ++i)
         if (name_of(meta_, meta_.labels[i]) == name) out[i] = found = true;
-      if (!found) refuse(option, fmt::format("names of {}", what), name);
+      if (!found) refuse(option, fmt::format("names of {} ({})", what, all_names(name_of)), name);
     }
     return out;
+  }
+
+  template <class NameOf>
+  std::string all_names(NameOf name_of) const {
+    std::set<std::string> known = {""};
+    std::vector<std::string> out;
+    for (const LabelInfo& label : meta_.labels)
+      if (known.insert(name_of(meta_, label)).second) out.push_back(name_of(meta_, label));
+    return out.empty() ? "none" : listed(out);
   }
 
   std::vector<bool> ranges(const std::string& text) const {

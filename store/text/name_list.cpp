@@ -71,11 +71,18 @@ std::vector<Assignment> assignments_in(std::string_view list, std::string_view o
   return out;
 }
 
-std::string listed_name(std::string_view name) {
-  if (name.find_first_of(",=\"") == name.npos) return std::string(name);
-  std::string out = "\"";
-  for (const char c : name) out.append(c == '"' ? 2 : 1, c);
-  return out + '"';
+std::string listed(const std::vector<std::string>& names) {
+  constexpr size_t kEnough = 200;
+  std::string out;
+  for (const std::string& name : names) {
+    if (!out.empty()) out += ", ";
+    if (out.size() >= kEnough) return out + "...";
+    const bool plain = name.find_first_of(",=\"") == name.npos;
+    if (!plain) out += '"';
+    for (const char c : name) out.append(c == '"' ? 2 : 1, c);
+    if (!plain) out += '"';
+  }
+  return out;
 }
 
 }  // namespace teracell::store

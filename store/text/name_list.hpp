@@ -1,5 +1,5 @@
-// Lists of names in options and addresses: NAME,NAME ... and NAME=VALUE,NAME=VALUE ... A name may stand in double quotes, with those inside it doubled,
-// and must where it has a comma or a quote, or an equal sign before a value.
+// Lists of names in options and addresses: NAME,NAME ... and NAME=VALUE,NAME=VALUE ... A name may stand in double quotes, with those inside it
+// doubled, and must where it has a comma or a quote, or an equal sign before a value.
 #pragma once
 #include <string>
 #include <string_view>
@@ -14,7 +14,7 @@ struct Assignment {
 };
 std::vector<Assignment> assignments_in(std::string_view list, std::string_view option);
 
-// The name as it stands in a list.
-std::string listed_name(std::string_view name);
+// Names as they stand in a list: of many the first ones and "...".
+std::string listed(const std::vector<std::string>& names);
 
 }  // namespace teracell::store

@@ -19,12 +19,9 @@ double parse_number(const std::string& text, const std::string& option) {
 size_t material_named(const std::vector<MaterialInfo>& materials, const std::string& name, const std::string& option) {
   const auto it = std::ranges::find(materials, name, &MaterialInfo::name);
   if (it != materials.end()) return static_cast<size_t>(it - materials.begin());
-  constexpr size_t kEnough = 200;
-  std::string names;
-  for (const MaterialInfo& m : materials)
-    if (names.size() < kEnough) names += (names.empty() ? "" : ", ") + listed_name(m.name);
-    else if (!names.ends_with(" ...")) names += " ...";
-  throw UsageError(fmt::format("{}: the grid has no material '{}': it has {}", option, name, names));
+  std::vector<std::string> names;
+  for (const MaterialInfo& m : materials) names.push_back(m.name);
+  throw UsageError(fmt::format("{}: the grid has no material '{}': it has {}", option, name, listed(names)));
 }
 
 std::vector<bool> for_each_assignment(const std::vector<MaterialInfo>& materials, const std::string& text, const std::string& option,
