@@ -1,10 +1,12 @@
-// The index knows how many cells of each material a chunk has. So where a cut lies is found among chunks first, without decoding any
-// that lie in the box as a whole; only the layer of chunks that the cut goes through is decoded and counted layer by layer. A chunk has
-// whole rays, so cuts across the rays come first: then cuts along them share what was decoded.
+// Coarse levels tell of large boxes with cells of one weight, and the index how many cells of each material a chunk has. So where a cut
+// lies is found among chunks first, without decoding any that lie in the box as a whole; only the layer of chunks that the cut goes through
+// is decoded and counted layer by layer. A chunk has whole rays, so cuts across the rays come first: then cuts along them share what was
+// decoded.
 #include "store/whole/partition.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numeric>
 #include <ranges>
 #include <unordered_map>
@@ -21,6 +23,13 @@ namespace {
 constexpr int64_t kMostRanks = int64_t{1} << 21, kMostNeighbours = int64_t{1} << 26;  // the neighbours of all parts together
 
 int64_t cells_in(const Box& b, int axis) { return b.hi[axis] - b.lo[axis]; }
+// Of one layer of a box across an axis.
+double layer_cells(const Box& b, int axis) {
+  double out = 1;
+  for (int d = 0; d < 3; ++d)
+    if (d != axis) out *= static_cast<double>(cells_in(b, d));
+  return out;
+}
 
 // The weight of layers of cells along an axis, by stretches of layers that weigh the same: as much memory as there are changes.
 class Layers {
@@ -141,7 +150,8 @@ class Cutter {
       const double share = static_cast<double>(rank + 1) / static_cast<double>(o_.ranks), even = static_cast<double>(most_slabs) * share;
       slab.hi[axis] = box.hi[axis];
       if (left > 0)
-        slab.hi[axis] = a * place_near(slab.lo[axis] / a + 1, most_slabs - left, weight * share, even, [&](int64_t at) { return layers.below(at * a); });
+        slab.hi[axis] =
+            a * place_near(slab.lo[axis] / a + 1, most_slabs - left, weight * share, even, [&](int64_t at) { return layers.below(at * a); });
       const double sum = left > 0 ? layers.below(slab.hi[axis]) : weight;
       parts.push_back({slab, std::max(0.0, sum - before), {}, {}});
       before = sum, slab.lo[axis] = slab.hi[axis];
@@ -228,12 +238,34 @@ class Cutter {
   }
   int64_t places(int64_t lo, int64_t hi) const { return std::max<int64_t>(1, (hi + o_.align - 1) / o_.align - lo / o_.align); }
 
-  // The work of a cell of the chunk, if it is the same for all.
+  // The work of a cell of the chunk, if it is known to be the same for all.
   std::optional<double> one_weight(const ChunkEntry& entry) const {
-    if (entry.size == 0) return weight_[entry.uniform[0]];
-    for (const LabelStats& l : entry.stats)
-      if (weight_[l.label] != weight_[entry.stats[0].label]) return std::nullopt;
-    return weight_[entry.stats[0].label];
+    const auto of_all = [&](const auto& labels, const auto& label_of) -> std::optional<double> {
+      const auto weight = [&](const auto& l) { return weight_[label_of(l)]; };
+      if (labels.empty() || std::ranges::adjacent_find(labels, std::not_equal_to(), weight) != labels.end()) return std::nullopt;
+      return weight(labels.front());
+    };
+    if (entry.size == 0) return of_all(entry.uniform, std::identity());
+    return of_all(entry.stats, [](const LabelStats& l) { return l.label; });
+  }
+
+  // The box in pieces: boxes whose cells weigh the same, as coarse chunks tell of many at once, and parts of chunks of level 0.
+  void for_each_piece(const Box& box, const std::function<void(const Box&, double)>& same, const std::function<void(const ChunkPart&)>& mixed) {
+    descend(reader_.levels() - 1, box, same, mixed);
+  }
+  void descend(int level, const Box& box, const std::function<void(const Box&, double)>& same, const std::function<void(const ChunkPart&)>& mixed) {
+    Box on_level = box;
+    for (int d = 0; d < 3; ++d) on_level.lo[d] >>= level, on_level.hi[d] = ceil_shift(box.hi[d], level);
+    for_each_part(reader_.shape(level), RayBox(on_level, frame_), [&](const ChunkPart& p) {
+      Box piece = frame_.box({p.first_u + p.u0, p.first_v + p.v0, p.first_w + p.w0}, {p.first_u + p.u1, p.first_v + p.v1, p.first_w + p.w1});
+      for (int d = 0; d < 3; ++d) piece.lo[d] = std::max(piece.lo[d] << level, box.lo[d]), piece.hi[d] = std::min(piece.hi[d] << level, box.hi[d]);
+      std::optional<double> weight;
+      if (level != 1 && reader_.stored(level))
+        weight = one_weight(*reader_.entry(p.key));  // packed grids alone store level 1: all are summed up alike
+      if (weight) same(piece, *weight);
+      else if (level > 0) descend(level - 1, piece, same, mixed);
+      else mixed(p);
+    });
   }
 
   std::shared_ptr<const Chunk> chunk(const ChunkKey& key) {
@@ -248,37 +280,37 @@ class Cutter {
   std::vector<double> by_chunks(const Box& box, int axis) {
     const int64_t side = axis == frame_.w ? shape_.chunk_cells : shape_.chunk_rays, first = box.lo[axis] / side;
     std::vector<double> out(static_cast<size_t>((box.hi[axis] - 1) / side - first + 1));
-    for_each_part(shape_, RayBox(box, frame_), [&](const ChunkPart& p) {
-      const uint32_t place = axis == frame_.u ? p.key.cu : axis == frame_.v ? p.key.cv : p.key.segment;
-      double& sum = out[static_cast<size_t>(place - first)];
-      const auto entry = reader_.entry(p.key);
-      if (const auto weight = one_weight(*entry)) sum += *weight * static_cast<double>(uint64_t{p.u1 - p.u0} * (p.v1 - p.v0) * (p.w1 - p.w0));
-      else if (p.whole)
-        for (const LabelStats& l : entry->stats) sum += weight_[l.label] * static_cast<double>(l.cells);
-      else
-        for_each_part_run(chunk(p.key)->rays, p,
-                          [&](uint32_t, uint32_t, uint32_t from, uint32_t to, SetId label) { sum += weight_[label] * (to - from); });
-    });
+    for_each_piece(
+        box,
+        [&](const Box& piece, double weight) {
+          const double layer = weight * layer_cells(piece, axis);
+          for (int64_t chunk = piece.lo[axis] / side; chunk * side < piece.hi[axis]; ++chunk)
+            out[static_cast<size_t>(chunk - first)] +=
+                layer * static_cast<double>(std::min(piece.hi[axis], (chunk + 1) * side) - std::max(piece.lo[axis], chunk * side));
+        },
+        [&](const ChunkPart& p) {
+          const uint32_t place = axis == frame_.u ? p.key.cu : axis == frame_.v ? p.key.cv : p.key.segment;
+          double& sum = out[static_cast<size_t>(place - first)];
+          if (p.whole)
+            for (const LabelStats& l : reader_.entry(p.key)->stats) sum += weight_[l.label] * static_cast<double>(l.cells);
+          else
+            for_each_part_run(chunk(p.key)->rays, p,
+                              [&](uint32_t, uint32_t, uint32_t from, uint32_t to, SetId label) { sum += weight_[label] * (to - from); });
+        });
     return out;
   }
 
   Layers by_layers(const Box& box, int axis) {
     Layers out;
-    for_each_part(shape_, RayBox(box, frame_), [&](const ChunkPart& p) {
-      const std::array<int64_t, 3> lo{p.first_u, p.first_v, p.first_w};
-      const size_t d = axis == frame_.u ? 0 : axis == frame_.v ? 1 : 2;
-      const auto add = [&](const std::array<uint32_t, 3>& from, const std::array<uint32_t, 3>& to, double weight) {
-        for (size_t other = 0; other < 3; ++other)
-          if (other != d) weight *= to[other] - from[other];
-        out.add(lo[d] + from[d], lo[d] + to[d], weight);
-      };
-      const auto entry = reader_.entry(p.key);
-      if (const auto weight = one_weight(*entry)) add({p.u0, p.v0, p.w0}, {p.u1, p.v1, p.w1}, *weight);
-      else
-        for_each_part_run(chunk(p.key)->rays, p, [&](uint32_t u, uint32_t v, uint32_t from, uint32_t to, SetId label) {
-          add({u, v, from}, {u + 1, v + 1, to}, weight_[label]);
+    for_each_piece(
+        box, [&](const Box& piece, double weight) { out.add(piece.lo[axis], piece.hi[axis], weight * layer_cells(piece, axis)); },
+        [&](const ChunkPart& p) {
+          for_each_part_run(chunk(p.key)->rays, p, [&](uint32_t u, uint32_t v, uint32_t from, uint32_t to, SetId label) {
+            if (axis == frame_.w) return out.add(p.first_w + from, p.first_w + to, weight_[label]);
+            const int64_t at = axis == frame_.u ? p.first_u + u : p.first_v + v;
+            out.add(at, at + 1, weight_[label] * (to - from));
+          });
         });
-    });
     out.sum_up();
     return out;
   }

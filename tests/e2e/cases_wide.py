@@ -73,7 +73,7 @@ class LongPartition(Wide):
         rock = lambda lo, hi: max(0, min(hi, self.hi) - max(lo, self.lo))
         for method in ("blocks", "slabs"):
             for more, weights in (([], (1, 1)), (["--weight", "air=1,rock=0"], (1, 0)), (["--weight", "air=0.5,rock=3"], (0.5, 3))):
-                self.run_in_little_memory(128 << 20, "partition", "g.tcell", "--ranks", 8, "--method", method, *more, "-o", "p.json")
+                self.run_in_little_memory(64 << 20, "partition", "g.tcell", "--ranks", 8, "--method", method, *more, "-o", "p.json")
                 plan, at = self.read_json("p.json"), 0
                 total = weights[0] * (self.width - rock(0, self.width)) + weights[1] * rock(0, self.width)
                 self.assertEqual(plan["total"], total)

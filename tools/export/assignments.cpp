@@ -37,6 +37,7 @@ std::vector<bool> for_each_assignment(const std::vector<MaterialInfo>& materials
 }
 
 void expect_named(const GridReader& reader, int level, const Box& box, const std::vector<bool>& named, const std::string& option) {
+  if (std::ranges::count(named, false) == 0) return;  // nothing has to be counted
   Box below = reader.meta().grid.box(0);  // the cells of level 0 that the box covers
   for (int d = 0; d < 3; ++d) below.lo[d] = box.lo[d] << level, below.hi[d] = std::min(below.hi[d], box.hi[d] << level);
   const std::vector<CellStats> stats = read_stats(reader, below);

@@ -23,7 +23,6 @@ TEST_CASE("A packed file is sound and has the same cells, report and statistics"
     REQUIRE(read_everything(now) == read_everything(old));
     REQUIRE(now.report() == old.report());
     REQUIRE(now.cells_hash() == old.cells_hash());
-    REQUIRE(now.hash() != old.hash());
     const Box all = old.meta().grid.box(0);
     const auto a = read_stats(old, all), b = read_stats(now, all);
     for (size_t i = 0; i < a.size(); ++i) REQUIRE((a[i].cells == b[i].cells && a[i].volume == b[i].volume));
