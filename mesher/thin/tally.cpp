@@ -46,8 +46,9 @@ const Tally* Tallies::find(const TallyKey& key) const {
 void Tallies::save(Bytes& out) const {
   put_varint(out, all_.size());
   for (const auto& [key, t] : all_)
-    for (const uint64_t n : {uint64_t{static_cast<uint8_t>(key.what)}, uint64_t{key.of}, uint64_t{key.axis}, t.number, std::bit_cast<uint64_t>(t.length),
-                             uint64_t{t.widest}, uint64_t{t.from}, static_cast<uint64_t>(t.cell[0]), static_cast<uint64_t>(t.cell[1]), static_cast<uint64_t>(t.cell[2])})
+    for (const uint64_t n :
+         {uint64_t{static_cast<uint8_t>(key.what)}, uint64_t{key.of}, uint64_t{key.axis}, t.number, std::bit_cast<uint64_t>(t.length),
+          uint64_t{t.widest}, uint64_t{t.from}, static_cast<uint64_t>(t.cell[0]), static_cast<uint64_t>(t.cell[1]), static_cast<uint64_t>(t.cell[2])})
       put_varint(out, n);
 }
 

@@ -25,8 +25,8 @@ struct TallyKey {
 
 struct Tally {
   uint64_t number = 0;
-  // The widest one by its length, 0 where widths aren't counted; of equal ones the one with the least z, then y, then x. It begins at q(from) of `cell`
-  // along the axis and is `widest` sub-positions wide.
+  // The widest one by its length, 0 where widths aren't counted; of equal ones the one with the least z, then y, then x. It begins at q(from) of
+  // `cell` along the axis and is `widest` sub-positions wide.
   double length = 0;
   uint32_t widest = 0, from = 0;
   Index3 cell{};

@@ -110,15 +110,15 @@ RemoteObject::RemoteObject(RemotePlace place) : place_(std::move(place)), client
   uint64_t told_size = 0;
   if (open(std::nullopt, kTail, told_size)) return;
   if (!open(told_size - std::min(told_size, kTail), kMostWhole, told_size))
-    throw IoError(
-        fmt::format("{}: the host ignores ranges: it sends the whole object, which has more than {} MB, instead of a part", name(), kMostWhole >> 20));
+    throw IoError(fmt::format("{}: the host ignores ranges: it sends the whole object, which has more than {} MB, instead of a part", name(),
+                              kMostWhole >> 20));
   Bytes tail(whole_.empty() && tail_.empty() ? std::min(size_, kTail) : 0);
   read(size_ - tail.size(), tail);
   if (!tail.empty()) tail_ = std::move(tail);
 }
 
-// Asks for kTail bytes from `first` on, or for the last ones. Returns false if the host does not know such a range, or sends the whole object, and that
-// has more bytes than are taken: then told_size is its size, if the host says so.
+// Asks for kTail bytes from `first` on, or for the last ones. Returns false if the host does not know such a range, or sends the whole object, and
+// that has more bytes than are taken: then told_size is its size, if the host says so.
 bool RemoteObject::open(std::optional<uint64_t> first, size_t most_of_whole, uint64_t& told_size) {
   const bool from_end = !first;
   const std::string range = from_end ? fmt::format("-{}", kTail) : fmt::format("{}-{}", *first, *first + kTail - 1);

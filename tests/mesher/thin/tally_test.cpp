@@ -37,7 +37,8 @@ std::vector<std::pair<TallyKey, Tally>> some_tallies() {
     const TallyKey key{static_cast<TallyKey::What>(small(4)), small(3), static_cast<uint8_t>(small(3))};
     // Within a key, a place has one width.
     const Index3 cell{small(4), small(4), int64_t{1} << small(31)};
-    out.push_back({key, {uint64_t{1} << small(60), 0.25 * static_cast<double>(cell[0]), static_cast<uint32_t>(cell[0]), static_cast<uint32_t>(cell[1]), cell}});
+    out.push_back(
+        {key, {uint64_t{1} << small(60), 0.25 * static_cast<double>(cell[0]), static_cast<uint32_t>(cell[0]), static_cast<uint32_t>(cell[1]), cell}});
   }
   return out;
 }

@@ -101,7 +101,8 @@ Expected expected_of(const std::vector<Body>& bodies, const Grid& grid) {
       const auto widest = std::ranges::max_element(found, {}, [](const Run& r) { return r.to - r.from; });
       const Axis& line = grid.axis[axis];
       const double cell = line.is_graded() ? line.centre(upper[axis]) - line.centre(lower[axis]) : line.step();
-      lost.add(widest->to - widest->from, cell / 65536, place(place_of_sub_position(grid.axis[axis], lower[axis], widest->from + (widest->to - widest->from) / 2)));
+      lost.add(widest->to - widest->from, cell / 65536,
+               place(place_of_sub_position(grid.axis[axis], lower[axis], widest->from + (widest->to - widest->from) / 2)));
     };
     for (size_t b = 0; b < bodies.size(); ++b) {
       REQUIRE(winding_at(b, 65536) == windings[b][number(upper)]);

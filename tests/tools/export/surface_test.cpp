@@ -1,7 +1,7 @@
+#include "tools/export/faces/surface.hpp"
 #include "store/base/error.hpp"
 #include "tests/support/meshed.hpp"
 #include "tests/support/stored.hpp"
-#include "tools/export/faces/surface.hpp"
 #include "tools/export/formats.hpp"
 
 using namespace teracell;

@@ -36,8 +36,8 @@ struct Room {
 
 class Surface {
  public:
-  // Finds the blocks and counts vertices and facets. Throws UsageError when an option is wrong, there is no facet, or there are more vertices or facets
-  // than there is room for: of much larger surfaces the runs tell that at once.
+  // Finds the blocks and counts vertices and facets. Throws UsageError when an option is wrong, there is no facet, or there are more vertices or
+  // facets than there is room for: of much larger surfaces the runs tell that at once.
   Surface(const Export& e, Leg leg, const Room& room);
   uint64_t vertices() const { return vertices_; }
   uint64_t facets() const { return facets_; }
@@ -75,8 +75,8 @@ class Surface {
   uint64_t vertices_ = 0, facets_ = 0;
 };
 
-// The number of facets' squares across the rays, or less where chunks meet. The surface has as many vertices at least, since no more than four of them
-// share a corner, and twice as many facets.
+// The number of facets' squares across the rays, or less where chunks meet. The surface has as many vertices at least, since no more than four of
+// them share a corner, and twice as many facets.
 uint64_t least_vertices(const Export& e, const std::vector<bool>& chosen);
 
 // Appends a number as bytes, in the order of memory: little endian, like every machine this runs on.
