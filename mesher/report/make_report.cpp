@@ -30,7 +30,7 @@ HoleReport hole_report(const Hole& h, const Grid& grid) {
 LostReport lost_report(const TallyKey& key, const Grid& grid, const Tallies& tallies) {
   const Tally* found = tallies.find(key);
   if (!found) return {};
-  return {found->number, found->widest, width_of(key, *found, grid), place_of(key, *found, grid)};
+  return {found->number, found->widest, found->length, place_of(key, *found, grid)};
 }
 
 BodyReport body_report(const Scene& scene, size_t b, BodyFacets&& found, const SurfaceCounts& counts, const Plan& plan, const CastTotals& totals,

@@ -138,6 +138,9 @@ void expect_fit(const CastTotals& totals, const SurfacesFound& surfaces, const M
     Index3 last = tally.cell;
     if (key.what != What::kLowerSide) ++last[key.axis];  // it lies between two sample points
     for (int d = 0; d < 3; ++d) expect(tally.cell[d] >= 0 && last[d] < meta.grid.axis[d].cells(), "it lies outside");
+    const bool has_length = key.what == What::kStretches || key.what == What::kGaps;
+    const double length = has_length ? length_of(meta.grid.axis[key.axis], tally.cell[key.axis], tally.widest) : 0;
+    expect(tally.length == length, "it has another length");
   }
   totals.overlaps.for_each([&](const Overlap& o) {
     expect(o.bodies[0] < o.bodies[1] && o.bodies[1] < bodies, "bodies that are not there overlap");

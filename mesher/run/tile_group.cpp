@@ -70,7 +70,7 @@ void TileGroupWork::tally_pairs(const std::vector<CrossingPairs>& all, const Box
     Tally sum;
     for (; i < all.size() && all[i].body == key.of; ++i) {
       const Index3 lower = f.cell(cells.lo[f.u] + all[i].ray % nu, cells.lo[f.v] + all[i].ray / nu, int64_t{all[i].cell} - 1);
-      sum.add({all[i].pairs, kSubPositions, 0, lower});
+      sum.add({all[i].pairs, 0, kSubPositions, 0, lower});
     }
     tallies.add(key, sum);
   }

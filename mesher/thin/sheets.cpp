@@ -48,7 +48,8 @@ void Sheets::tally_lower_side(int axis, const Index3& cell, const SceneFacet& fa
   Index3 at = cell;
   at[axis] = 0;
   for (int d = 0; d < 3; ++d) p[d] = d == axis ? grid_.axis[d].min() : grid_.axis[d].centre(cell[d]);
-  if (orient3d(facet.facet, p) == 0) tallies.add({TallyKey::What::kLowerSide, body_of_layer(facet.layer), static_cast<uint8_t>(axis)}, {1, 0, 0, at});
+  if (orient3d(facet.facet, p) == 0)
+    tallies.add({TallyKey::What::kLowerSide, body_of_layer(facet.layer), static_cast<uint8_t>(axis)}, {1, 0, 0, 0, at});
 }
 
 }  // namespace teracell::mesher

@@ -1,5 +1,6 @@
 #include "mesher/thin/tally.hpp"
 
+#include <bit>
 #include <tuple>
 
 namespace teracell::mesher {
@@ -17,15 +18,14 @@ Vec3 place_of(const TallyKey& key, const Tally& tally, const Grid& grid) {
   return at;
 }
 
-double width_of(const TallyKey& key, const Tally& tally, const Grid& grid) {
-  const Axis& axis = grid.axis[key.axis];
-  const int64_t i = tally.cell[key.axis];
-  return tally.widest / static_cast<double>(kSubPositions) * (axis.centre(i + 1) - axis.centre(i));
+double length_of(const Axis& axis, int64_t i, uint32_t sub_positions) {
+  const double apart = axis.is_graded() ? axis.centre(i + 1) - axis.centre(i) : axis.step();
+  return sub_positions / static_cast<double>(kSubPositions) * apart;
 }
 
 void Tally::add(const Tally& other) {
   const uint64_t sum = number + other.number;
-  if (other.widest > widest || (other.widest == widest && order(other.cell) < order(cell))) *this = other;
+  if (number == 0 || other.length > length || (other.length == length && order(other.cell) < order(cell))) *this = other;
   number = sum;
 }
 
@@ -46,8 +46,9 @@ const Tally* Tallies::find(const TallyKey& key) const {
 void Tallies::save(Bytes& out) const {
   put_varint(out, all_.size());
   for (const auto& [key, t] : all_)
-    for (const uint64_t n : {uint64_t{static_cast<uint8_t>(key.what)}, uint64_t{key.of}, uint64_t{key.axis}, t.number, uint64_t{t.widest},
-                             uint64_t{t.from}, static_cast<uint64_t>(t.cell[0]), static_cast<uint64_t>(t.cell[1]), static_cast<uint64_t>(t.cell[2])})
+    for (const uint64_t n :
+         {uint64_t{static_cast<uint8_t>(key.what)}, uint64_t{key.of}, uint64_t{key.axis}, t.number, std::bit_cast<uint64_t>(t.length),
+          uint64_t{t.widest}, uint64_t{t.from}, static_cast<uint64_t>(t.cell[0]), static_cast<uint64_t>(t.cell[1]), static_cast<uint64_t>(t.cell[2])})
       put_varint(out, n);
 }
 
@@ -60,6 +61,7 @@ Tallies Tallies::restored(ByteReader& in) {
     key.axis = static_cast<uint8_t>(in.varint());
     Tally t;
     t.number = in.varint();
+    t.length = std::bit_cast<double>(in.varint());
     t.widest = static_cast<uint32_t>(in.varint());
     t.from = static_cast<uint32_t>(in.varint());
     for (int64_t& c : t.cell) c = static_cast<int64_t>(in.varint());

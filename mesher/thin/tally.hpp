@@ -25,8 +25,9 @@ struct TallyKey {
 
 struct Tally {
   uint64_t number = 0;
-  // The widest one; of equal ones the one with the least z, then y, then x. It begins at q(from) of `cell` along the axis and is
-  // `widest` sub-positions wide.
+  // The widest one by its length, 0 where widths aren't counted; of equal ones the one with the least z, then y, then x. It begins at q(from) of
+  // `cell` along the axis and is `widest` sub-positions wide.
+  double length = 0;
   uint32_t widest = 0, from = 0;
   Index3 cell{};
   void add(const Tally& other);
@@ -34,8 +35,8 @@ struct Tally {
 
 // The middle of the widest one.
 Vec3 place_of(const TallyKey& key, const Tally& tally, const Grid& grid);
-// The width of the widest one as a length.
-double width_of(const TallyKey& key, const Tally& tally, const Grid& grid);
+// The length of so many sub-positions between the sample points of cell i and the next one.
+double length_of(const Axis& axis, int64_t i, uint32_t sub_positions);
 
 class Tallies {
  public:

@@ -102,7 +102,8 @@ void ThinParts::look_at(int axis, const Index3& upper, std::span<const Crosser> 
   for (const Crosser& c : crossers) steps_.push_back({c.k, active_[c.facet]->layer, step_along(axis, c.up, rays_.w)});
   std::ranges::sort(steps_, {}, &Step::k);
   const auto tally = [&](TallyKey::What what, uint32_t of, const Stretches& s) {
-    if (owns_lower && s.widest > 0) tallies_->add({what, of, static_cast<uint8_t>(axis)}, {1, s.widest, s.from, lower});
+    if (!owns_lower || s.widest == 0) return;
+    tallies_->add({what, of, static_cast<uint8_t>(axis)}, {1, length_of(grid_.axis[axis], lower[axis], s.widest), s.widest, s.from, lower});
   };
   for (const uint32_t body : bodies_) {
     const Stretches lost = stretches([&] { return sums_.inside(body); });

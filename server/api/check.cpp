@@ -10,8 +10,8 @@ namespace {
 
 Response answer_check(const GridRequest& r) {
   r.target.allow({});
-  std::string text = r.grid->path.empty() ? "" : read_kept_findings(r.grid->path, r.grid->hash);
-  if (text.empty()) throw not_found(fmt::format("nobody has looked through this version of grid '{}' yet: `teracell check` does", r.grid->id));
+  std::string text = r.grid->path.empty() ? "" : read_kept_findings(r.grid->path, r.grid->reader());
+  if (text.empty()) throw not_found(fmt::format("nobody has looked through the cells of grid '{}' yet: `teracell check` does", r.grid->id));
   Service::Recipe recipe{.route = "check", .content_type = kJson, .cacheable = false, .compress = true, .make = [&text] { return text; }};
   recipe.address = text;
   return r.answer(recipe);

@@ -3,6 +3,7 @@
 #pragma once
 #include <atomic>
 #include <cstdint>
+#include <list>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -13,10 +14,15 @@
 
 namespace teracell::server {
 
+struct Loop;
+
 struct Client {
   std::atomic<uint64_t> connections{0};  // open
   std::atomic<uint64_t> waiting{0};      // requests in the pool, queued or running
   std::atomic<uint64_t> held_bytes{0};   // of answers that it has yet to take
+  std::mutex mutex;                      // of the rest
+  std::list<Loop*> idle;                 // of each connection that waits for a request: the longest first
+  size_t giving_way = 0;                 // the first of them, which are about to be closed
 };
 
 // Threads share it.

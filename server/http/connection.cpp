@@ -13,7 +13,7 @@
 namespace teracell::server {
 namespace {
 
-constexpr auto kLinger = std::chrono::seconds(2);  // time for a client to read why it was refused
+constexpr std::chrono::milliseconds kLinger{2000};  // time for a client to read why it was refused
 constexpr size_t kMostLingering = size_t{1} << 20;
 constexpr size_t kSmall = size_t{64} << 10;  // answers from memory up to this size are given to clients that hold their share, too
 constexpr size_t kFirstBuffer = size_t{2} << 10;  // bytes; grows up to the longest head
@@ -56,9 +56,9 @@ Connection::Connection(Loop& loop, Socket socket, Peer peer)
   socket_.non_blocking(true, ignored);
   client_ = socket_.remote_endpoint(ignored).address().to_string(ignored);
   local_ = authority(socket_.local_endpoint(ignored));
-  deadline_ = Clock::now() + shared_.options.request_timeout;
+  deadline_ = Clock::now() + (peer_.refused ? kLinger : shared_.options.request_timeout);
   place_ = loop.connections.insert(loop.connections.end(), this);
-  enter(kIdle);
+  enter(peer_.refused ? kReading : kIdle);
   if (loop.stopping) finish();
 }
 
@@ -84,8 +84,9 @@ Awaitable<void> Connection::serve() {
     const auto start = Clock::now();
     deadline_ = Clock::time_point::max();
     if (progress == HeadParser::kWhole) {
-      keep_ = parser_->keep_alive() && !loop_.stopping;
-      co_await make();
+      keep_ = parser_->keep_alive() && !loop_.stopping && !peer_.refused;
+      if (peer_.refused) response_ = overloaded("all connections that this server, or one client of it, may have are in use");
+      else co_await make();
     } else {
       keep_ = false;
       response_ = std::move(parser_->refusal());
@@ -287,8 +288,16 @@ void Connection::drop() {
 }
 
 void Connection::enter(State state) {
-  if (state_ == kIdle) loop_.idle.fetch_sub(1);
-  if (state == kIdle) loop_.idle.fetch_add(1);
+  Client& client = *peer_.client;
+  if (state_ == kIdle && state != kIdle) {
+    loop_.idle.fetch_sub(1);
+    const std::lock_guard lock(client.mutex);
+    busy_.splice(busy_.end(), client.idle, idle_);
+  } else if (state == kIdle && state_ != kIdle) {
+    loop_.idle.fetch_add(1);
+    const std::lock_guard lock(client.mutex);
+    client.idle.splice(client.idle.end(), busy_);
+  }
   state_ = state;
   entered_ = Clock::now();
 }

@@ -16,7 +16,8 @@ namespace teracell::server {
 // Whose connection it is, and what counts it while it lives.
 struct Peer {
   std::shared_ptr<Client> client;
-  bool proxy;  // whether its requests name their clients
+  bool proxy;    // whether its requests name their clients
+  bool refused;  // whether it is beyond a limit: its first request is told so, and it is closed
   Counted of_all, of_client;
 };
 
@@ -39,6 +40,7 @@ class Connection final : public LoopMember {
   void finish() override;
   void drop_if_late(Clock::time_point now) override;
   Clock::time_point idle_since() const override;
+  const Client& client() const override { return *peer_.client; }
   void drop() override;
 
  private:
@@ -72,6 +74,8 @@ class Connection final : public LoopMember {
   std::shared_ptr<Client> requester_;  // of the request: the peer's, or the one that the proxy names
   State state_ = kLingering;           // until enter() says otherwise
   Clock::time_point entered_;          // when it got into this state
+  std::list<Loop*> busy_{&loop_};      // its place among the client's, while it is not idle
+  const std::list<Loop*>::iterator idle_ = busy_.begin();
   bool finishing_ = false;  // we ended receiving ourselves: an end of input does not mean that the client left
   Clock::time_point deadline_;
   std::string client_, local_;

@@ -15,6 +15,19 @@ using Acceptor = asio::basic_socket_acceptor<tcp, Executor>;
 
 constexpr auto kPause = std::chrono::milliseconds(250);  // after a connection could not be accepted
 
+// Has the client's connection that has been idle longest closed, if one is idle. That happens a moment later.
+bool make_room_of(const std::shared_ptr<Client>& client) {
+  const std::lock_guard lock(client->mutex);
+  if (client->giving_way >= client->idle.size()) return false;
+  Loop& loop = **std::next(client->idle.begin(), static_cast<ptrdiff_t>(client->giving_way++));
+  asio::post(loop.io, [&loop, client] {
+    loop.drop_idlest(client.get());
+    const std::lock_guard again(client->mutex);
+    --client->giving_way;
+  });
+  return true;
+}
+
 tcp::endpoint resolved(asio::io_context& io, const std::string& host, uint16_t port) {
   error_code error;
   const auto found = tcp::resolver(io).resolve(host, std::to_string(port), tcp::resolver::passive | tcp::resolver::numeric_service, error);
@@ -145,8 +158,11 @@ Awaitable<void> Listener::State::accept_one(Loop& loop) {
   const bool proxy = std::ranges::find(o.trusted_proxies, address) != o.trusted_proxies.end();
   const std::shared_ptr<Client> client = shared.clients.at(address);
   const bool share_is_taken = !proxy && client->connections >= o.max_connections_per_client && m.connections >= o.max_connections / 2;
-  if (share_is_taken || (m.connections >= o.max_connections && !make_room())) m.refused.fetch_add(1);
-  else serve_connection(loop, std::move(socket), {client, proxy, Counted(m.connections), Counted(client->connections)});
+  const bool room = share_is_taken ? make_room_of(client) : m.connections < o.max_connections || make_room();
+  if (room) serve_connection(loop, std::move(socket), {client, proxy, false, Counted(m.connections), Counted(client->connections)});
+  if (room) co_return;
+  m.refused.fetch_add(1);
+  if (shared.refused < ListenerOptions::kMostRefused) serve_connection(loop, std::move(socket), {client, proxy, true, Counted(shared.refused), {}});
 }
 
 // Returns whether some connection was idle. It is closed a moment later.

@@ -50,9 +50,11 @@ void Loop::stop() {
   if (connections.empty()) timer.cancel();
 }
 
-void Loop::drop_idlest() {
-  const auto longest = std::ranges::min_element(connections, {}, &LoopMember::idle_since);
-  if (longest != connections.end() && (*longest)->idle_since() != Clock::time_point::max()) (*longest)->drop();
+void Loop::drop_idlest(const Client* of) {
+  LoopMember* longest = nullptr;
+  for (LoopMember* c : connections)
+    if ((!of || &c->client() == of) && (!longest || c->idle_since() < longest->idle_since())) longest = c;
+  if (longest && longest->idle_since() != Clock::time_point::max()) longest->drop();
 }
 
 std::string_view Loop::date() {

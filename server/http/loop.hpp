@@ -46,6 +46,7 @@ struct Shared {
   const Handler handler;
   Metrics& metrics;
   AccessLog& log;
+  std::atomic<uint64_t> refused{0};  // connections beyond a limit, which are told so
   Clients clients;
   Pool pool;
 };
@@ -57,6 +58,7 @@ class LoopMember {
   virtual void drop_if_late(Clock::time_point now) = 0;
   // Since when it waits for a request; the end of time while it has one.
   virtual Clock::time_point idle_since() const = 0;
+  virtual const Client& client() const = 0;  // whose it is
   virtual void drop() = 0;
 
  protected:
@@ -70,7 +72,7 @@ struct Loop {
 
   Awaitable<void> sweep();  // until stop() was called and the last connection is gone
   void stop();
-  void drop_idlest();  // closes the connection that has been idle longest, if any is idle
+  void drop_idlest(const Client* of = nullptr);  // closes the connection that has been idle longest, of a client or of all, if any is idle
   std::string_view date();  // for the Date field
 
   Shared& shared;

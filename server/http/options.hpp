@@ -21,8 +21,9 @@ struct ListenerOptions {
   // The peers that name a client by X-Forwarded-For. Their own connections are not limited as those of a client.
   std::vector<std::string> trusted_proxies;
   // The limits per client hold while at least half of what there is for all is taken.
-  // A connection that comes when all are taken takes the place of the one that has been idle longest. If none is idle, or the client
-  // has its share, it is closed as soon as it is accepted.
+  // A connection that comes when all are taken, or all of its client's share, takes the place of the one among these that has been idle longest.
+  // If none is idle, its request gets status 503; beyond so many of these at once, a connection is closed as soon as it is accepted.
+  static constexpr uint64_t kMostRefused = 16;
   size_t max_connections = 1024, max_connections_per_client = 256;
   // Requests in the pool, running or queued; further ones get status 503.
   size_t max_waiting = 1024, max_waiting_per_client = 256;

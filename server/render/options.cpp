@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "store/base/error.hpp"
+#include "store/text/name_list.hpp"
 #include "store/text/words.hpp"
 
 namespace teracell::server {
@@ -170,19 +172,22 @@ class Options {
   template <class NameOf>
   std::vector<bool> of_names(std::string_view option, const std::string& text, const char* what, NameOf name_of) const {
     std::vector<bool> out(meta_.labels.size());
-    // A name may hold commas, so the longest name that fits is taken.
-    for (std::string_view rest = text;;) {
-      std::string_view best;
-      for (const LabelInfo& label : meta_.labels)
-        if (const std::string& name = name_of(meta_, label);
-            rest.starts_with(name) && (rest.size() == name.size() || rest[name.size()] == ',') && name.size() > best.size())
-          best = name;
-      if (best.empty()) refuse(option, fmt::format("names of {}, separated by commas", what), rest.substr(0, rest.find(',')));
+    for (const std::string& name : names_in(text, fmt::format("{}{}", dashes_, option))) {
+      bool found = false;
       for (size_t i = 0; i < out.size(); ++i)
-        if (name_of(meta_, meta_.labels[i]) == best) out[i] = true;
-      if (rest.size() == best.size()) return out;
-      rest.remove_prefix(best.size() + 1);
+        if (name_of(meta_, meta_.labels[i]) == name) out[i] = found = true;
+      if (!found) refuse(option, fmt::format("names of {} ({})", what, all_names(name_of)), name);
     }
+    return out;
+  }
+
+  template <class NameOf>
+  std::string all_names(NameOf name_of) const {
+    std::set<std::string> known = {""};
+    std::vector<std::string> out;
+    for (const LabelInfo& label : meta_.labels)
+      if (known.insert(name_of(meta_, label)).second) out.push_back(name_of(meta_, label));
+    return out.empty() ? "none" : listed(out);
   }
 
   std::vector<bool> ranges(const std::string& text) const {

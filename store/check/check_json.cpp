@@ -64,6 +64,8 @@ void add_walls(std::vector<std::string>& lines, const std::vector<WallReport>& w
   if (thin.size() > most) lines.push_back(fmt::format("  and {} more with walls below 8 cells", thin.size() - most));
 }
 
+constexpr std::string_view kBegin = R"({"schema":1,"grid_hash":")";
+
 // A document ends with the checksum of what is before it, so that one that was cut or changed is never taken for what was found.
 constexpr std::string_view kChecksum = ",\"checksum\":\"";
 constexpr size_t kEndBytes = kChecksum.size() + 16 + 2;
@@ -76,7 +78,7 @@ std::string checksum_of(std::string_view body) {
 std::string findings_json(const Findings& findings) {
   std::string text;
   JsonWriter out(text);
-  out.begin_object().field("schema", 1).field("grid_hash", findings.hash).key("findings").begin_array();
+  out.begin_object().field("schema", 1).field("grid_hash", findings.hash).field("cells_hash", findings.cells_hash).key("findings").begin_array();
   for (const Finding& f : findings.list) write_finding(out, f);
   out.end_array().key("totals").begin_object();
   for (size_t kind = 0; kind < kFindingKindCount; ++kind) {
@@ -104,11 +106,22 @@ bool ends_as_whole(std::string_view json) {
   return json.size() > kEndBytes && json.ends_with("\"}") && json.substr(json.size() - kEndBytes).starts_with(kChecksum);
 }
 
-std::string hash_in(const std::string& json) {
-  constexpr std::string_view kBegin = R"({"schema":1,"grid_hash":")";
-  if (!json.starts_with(kBegin)) return "";
-  const size_t end = json.find('"', kBegin.size());
-  return end == std::string::npos ? "" : json.substr(kBegin.size(), end - kBegin.size());
+GridHashes hashes_in(std::string_view json) {
+  const auto take = [&](std::string_view before) {
+    if (!json.starts_with(before)) return std::string();
+    json.remove_prefix(before.size());
+    const std::string hash(json.substr(0, json.find('"')));
+    json.remove_prefix(hash.size());
+    return hash;
+  };
+  std::string grid = take(kBegin);
+  return {std::move(grid), take(R"(","cells_hash":")")};
+}
+
+std::string with_grid_hash(const std::string& json, const std::string& hash) {
+  std::string text = json.substr(0, json.size() - kEndBytes);
+  text.replace(kBegin.size(), hashes_in(json).grid.size(), hash);
+  return text + checksum_of(text);
 }
 
 std::string findings_text(const Findings& findings, size_t most) {

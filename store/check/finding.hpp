@@ -46,7 +46,7 @@ struct WallReport {
 };
 
 struct Findings {
-  std::string hash;  // of the grid
+  std::string hash, cells_hash;  // of the grid (store/read/reader.hpp)
   std::vector<Finding> list;
   std::array<KindTotal, kFindingKindCount> totals{};
   std::vector<WallReport> walls;

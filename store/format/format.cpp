@@ -108,7 +108,8 @@ Bytes encode_page(const std::vector<ChunkEntry>& entries, bool with_stats, uint6
 
 std::vector<ChunkEntry> decode_page(std::span<const uint8_t> frame, size_t chunks, bool with_stats, uint32_t labels, uint64_t place) {
   Bytes body;
-  ZstdDecoder().decode(frame, kPageBound, "index page", body);
+  thread_local ZstdDecoder decoder;  // making one takes longer than decoding a small page
+  decoder.decode(frame, kPageBound, "index page", body);
   ByteReader in(body, "index page", "10.1");
   std::vector<ChunkEntry> entries(chunks);
   const uint64_t first = place - in.fixed<uint64_t>();

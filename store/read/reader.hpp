@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <optional>
 
 #include "store/base/file.hpp"
@@ -47,6 +48,9 @@ class GridReader {
   uint64_t file_bytes() const { return source_->size(); }
   std::string version() const { return std::to_string(kFormatMajor) + "." + std::to_string(minor_); }  // of the file's format
   std::string hash() const;    // of the content, 32 hex digits
+  // The same for all files with these chunks of level 0, this report and these names, wherever their frames lie. Reads the index when it is first
+// asked.
+  std::string cells_hash() const;
   std::string report() const;  // JSON that check_json() has passed
   void append_report(std::string& text) const;
   int levels() const { return meta_.grid.levels(); }
@@ -106,6 +110,8 @@ class GridReader {
   uint16_t minor_ = 0;
   Footer footer_;
   Metadata meta_;
+  mutable std::once_flag cells_hashed_;
+  mutable std::string cells_hash_;
 };
 
 }  // namespace teracell::store

@@ -10,6 +10,7 @@
 
 #include "store/base/wanted.hpp"
 #include "store/text/text.hpp"
+#include "store/text/words.hpp"
 
 namespace teracell::inline store {
 namespace {
@@ -105,26 +106,27 @@ std::optional<ContentRange> parse_content_range(const std::string& text) {
 
 RemoteObject::RemoteObject(RemotePlace place) : place_(std::move(place)), client_(place_.timeout) {
   expect_allowed(place_.url, place_.allow_http);
-  // Some hosts know ranges, but none that are counted from the end.
-  if (open(fmt::format("-{}", kTail))) return;
-  if (open(fmt::format("0-{}", kTail - 1))) {
-    Bytes tail(whole_.empty() && tail_.empty() ? std::min(size_, kTail) : 0);
-    read(size_ - tail.size(), tail);
-    if (!tail.empty()) tail_ = std::move(tail);
-    return;
-  }
-  throw IoError(
-      fmt::format("{}: the host ignores ranges: it sends the whole object, which has more than {} MB, instead of a part", name(), kMostWhole >> 20));
+  // Some hosts know ranges, but none that are counted from the end. What they send instead, the whole object, tells its size before it comes.
+  uint64_t told_size = 0;
+  if (open(std::nullopt, kTail, told_size)) return;
+  if (!open(told_size - std::min(told_size, kTail), kMostWhole, told_size))
+    throw IoError(fmt::format("{}: the host ignores ranges: it sends the whole object, which has more than {} MB, instead of a part", name(),
+                              kMostWhole >> 20));
+  Bytes tail(whole_.empty() && tail_.empty() ? std::min(size_, kTail) : 0);
+  read(size_ - tail.size(), tail);
+  if (!tail.empty()) tail_ = std::move(tail);
 }
 
-// Returns false if the host does not know such a range.
-bool RemoteObject::open(const std::string& range) {
+// Asks for kTail bytes from `first` on, or for the last ones. Returns false if the host does not know such a range, or sends the whole object, and
+// that has more bytes than are taken: then told_size is its size, if the host says so.
+bool RemoteObject::open(std::optional<uint64_t> first, size_t most_of_whole, uint64_t& told_size) {
+  const bool from_end = !first;
+  const std::string range = from_end ? fmt::format("-{}", kTail) : fmt::format("{}-{}", *first, *first + kTail - 1);
   Exchange e = request(range, kTail, {});
-  e.most_of_whole = kMostWhole;
+  e.most_of_whole = most_of_whole;
   perform({&e, 1});
-  const bool from_end = range.starts_with('-');
   if (from_end && (e.status == 416 || e.status == 400 || e.status == 405 || e.status == 501)) return false;
-  if (e.status == 416) throw IoError(fmt::format("{}: the object is empty", name()));
+  if (e.status == 416 && *first == 0) throw IoError(fmt::format("{}: the object is empty", name()));
   if (e.status != 200 && e.status != 206) fail(e);
   if (const std::string& coding = e.header("content-encoding"); !coding.empty() && coding != "identity")
     throw IoError(
@@ -135,20 +137,23 @@ bool RemoteObject::open(const std::string& range) {
   if (etag_.empty() && last_modified_.empty())
     throw IoError(fmt::format("{}: the host sends neither ETag nor Last-Modified, so it would not be noticed if the object were replaced", name()));
   if (e.status == 200) {
-    if (e.cut) return false;
+    if (e.cut) {
+      told_size = number_in<uint64_t>(e.header("content-length")).value_or(0);
+      return false;
+    }
     whole_ = std::move(e.body);
     size_ = whole_.size();
     return true;
   }
   const auto found = parse_content_range(e.header("content-range"));
-  const uint64_t first = !found || !from_end ? 0 : found->size - std::min(found->size, kTail);
-  if (!found || found->first != first || found->last != (from_end ? found->size : std::min(found->size, kTail)) - 1) {
+  const uint64_t begin = first ? *first : found ? found->size - std::min(found->size, kTail) : 0;
+  if (!found || found->first != begin || found->last != std::min(found->size, begin + kTail) - 1) {
     if (from_end) return false;  // s3rver, for one, takes -100 for 0-100
     throw IoError(fmt::format("{}: asked for the range {}, the host answers {}", name(), range, said_range(e)));
   }
   size_ = found->size;
-  if (e.cut || e.body.size() != found->last - first + 1)
-    throw IoError(fmt::format("{}: expected {} bytes from {} on, the host sent {}", name(), found->last - first + 1, first,
+  if (e.cut || e.body.size() != found->last - begin + 1)
+    throw IoError(fmt::format("{}: expected {} bytes from {} on, the host sent {}", name(), found->last - begin + 1, begin,
                               e.cut ? "more" : fmt::format("{}", e.body.size())));
   if (found->last + 1 == size_) tail_ = std::move(e.body);
   return true;

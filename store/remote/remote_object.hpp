@@ -55,7 +55,7 @@ class RemoteObject : public ByteSource {
   static constexpr int kAttempts = 4;
 
  private:
-  bool open(const std::string& range);
+  bool open(std::optional<uint64_t> first, size_t most_of_whole, uint64_t& told_size);
   void accept(Exchange& e, uint64_t first, uint64_t last) const;
   void expect_same(const Exchange& e) const;
   std::vector<std::string> conditions() const;

@@ -1,11 +1,15 @@
-// The index knows how many cells of each material a chunk has. So where a cut lies is found among chunks first, without decoding any
-// that lie in the box as a whole; only the layer of chunks that the cut goes through is decoded and counted layer by layer. A chunk has
-// whole rays, so cuts across the rays come first: then cuts along them share what was decoded.
+// Coarse levels tell of large boxes with cells of one weight, and the index how many cells of each material a chunk has. So where a cut
+// lies is found among chunks first, without decoding any that lie in the box as a whole; only the layer of chunks that the cut goes through
+// is decoded and counted layer by layer. A chunk has whole rays, so cuts across the rays come first: then cuts along them share what was
+// decoded.
 #include "store/whole/partition.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numeric>
+#include <ranges>
+#include <unordered_map>
 
 #include <fmt/format.h>
 
@@ -19,12 +23,60 @@ namespace {
 constexpr int64_t kMostRanks = int64_t{1} << 21, kMostNeighbours = int64_t{1} << 26;  // the neighbours of all parts together
 
 int64_t cells_in(const Box& b, int axis) { return b.hi[axis] - b.lo[axis]; }
+// Of one layer of a box across an axis.
+double layer_cells(const Box& b, int axis) {
+  double out = 1;
+  for (int d = 0; d < 3; ++d)
+    if (d != axis) out *= static_cast<double>(cells_in(b, d));
+  return out;
+}
 
-// The weight in each layer of cells of a box along an axis.
-struct Layers {
-  int64_t first;
-  std::vector<double> weight;
+// The weight of layers of cells along an axis, by stretches of layers that weigh the same: as much memory as there are changes.
+class Layers {
+ public:
+  // Each of the layers [from, to) weighs so much more.
+  void add(int64_t from, int64_t to, double weight) { changes_[from] += weight, changes_[to] -= weight; }
+  // To be called once, after all were added.
+  void sum_up() {
+    std::vector<std::pair<int64_t, double>> changes(changes_.begin(), changes_.end());
+    changes_ = {};
+    std::ranges::sort(changes, {}, [](const auto& change) { return change.first; });
+    for (const auto& [at, change] : changes) {
+      const Stretch before = stretches_.empty() ? Stretch{at, 0, 0} : stretches_.back();
+      stretches_.push_back({at, std::max(0.0, before.weight + change), before.weight_below(at)});  // rounding may leave a difference below 0
+    }
+  }
+  // The weight of all layers below this one.
+  double below(int64_t at) const {
+    const auto next = std::ranges::upper_bound(stretches_, at, {}, &Stretch::from);
+    return next == stretches_.begin() ? 0 : std::prev(next)->weight_below(at);
+  }
+
+ private:
+  struct Stretch {
+    int64_t from;
+    double weight, below;  // of each of its layers, and of all before it
+    double weight_below(int64_t at) const { return below + weight * static_cast<double>(at - from); }
+  };
+  std::unordered_map<int64_t, double> changes_;
+  std::vector<Stretch> stretches_;
 };
+
+// Of the places first, first + 1 .. last, the one that has a weight below it nearest to the target; of several the one nearest to `even`.
+// `below` never descends.
+int64_t place_near(int64_t first, int64_t last, double target, double even, const std::function<double(int64_t)>& below) {
+  const auto first_where = [&](const std::function<bool(double)>& reached) {  // or the one after the last
+    const auto places = std::views::iota(first, last + 1);
+    return first + (std::ranges::partition_point(places, [&](int64_t at) { return !reached(below(at)); }) - places.begin());
+  };
+  const int64_t above = first_where([&](double weight) { return weight > target; });
+  const double lower = above > first ? below(above - 1) : 0, upper = above <= last ? below(above) : 0;
+  const bool take_lower = above > first && (above > last || target - lower <= upper - target);
+  const bool take_upper = above <= last && (above == first || upper - target <= target - lower);
+  const int64_t begin = take_lower ? first_where([&](double weight) { return weight >= lower; }) : above;
+  const int64_t end = take_upper ? first_where([&](double weight) { return weight > upper; }) : above;
+  return std::clamp(static_cast<int64_t>(std::ceil(even - 0.5)), begin, end - 1);
+}
 
 class Cutter {
  public:
@@ -49,7 +101,7 @@ class Cutter {
     const double target = weight * static_cast<double>(below) / static_cast<double>(ranks);
     const std::array<int, 3> axes = axes_to_cut(box, ranks);
     // All further cuts are along the rays, too: one pass is enough for them.
-    if (axes[0] == frame_.w && !along) along = std::make_shared<const Layers>(Layers{box.lo[frame_.w], by_layers(box, frame_.w)});
+    if (axes[0] == frame_.w && !along) along = std::make_shared<const Layers>(by_layers(box, frame_.w));
     std::optional<Cut> best;
     for (const int axis : axes) {
       if (axis == frame_.w && !along && best) continue;  // a pass through the whole box would cost more than it gains
@@ -85,35 +137,24 @@ class Cutter {
     throw OptionError(fmt::format("ranks: expected at most as many as there are boxes, cut at multiples of {} cells, found {}", o_.align, o_.ranks));
   }
 
-  void slabs(const Box& box, int axis) {
-    const std::vector<double> layers = by_layers(box, axis);
-    const double total = std::accumulate(layers.begin(), layers.end(), 0.0);
-    const int64_t n = cells_in(box, axis), most_slabs = places(box.lo[axis], box.hi[axis]);
+  void slabs(const Box& box, double weight, int axis) {
+    const Layers layers = by_layers(box, axis);
+    const int64_t a = o_.align, most_slabs = places(box.lo[axis], box.hi[axis]);
     if (o_.ranks > most_slabs)
       throw OptionError(fmt::format("ranks: expected at most {}, the slabs along {} that cuts at multiples of {} cells give, found {}", most_slabs,
-                                    axis_name(axis), o_.align, o_.ranks));
-    Box rest = box;
-    double before = 0, sum = 0;
-    int64_t at = 0;
+                                    axis_name(axis), a, o_.ranks));
+    Box slab = box;
+    double before = 0;
     for (int64_t rank = 0; rank < o_.ranks; ++rank) {
-      const int64_t left = o_.ranks - rank - 1, most = (most_slabs - left) * o_.align;  // each slab that follows needs a place
-      const double target = total > 0 ? total * static_cast<double>(rank + 1) / static_cast<double>(o_.ranks) : 0;
-      const double even = static_cast<double>(n) * static_cast<double>(rank + 1) / static_cast<double>(o_.ranks);
-      int64_t end = left == 0 ? n : at;
-      double end_sum = sum;
-      for (int64_t next = at + o_.align - at % o_.align; left > 0 && next <= most; next += o_.align) {
-        double next_sum = end_sum;
-        for (int64_t i = end; i < next; ++i) next_sum += layers[static_cast<size_t>(i)];
-        const bool closer = total > 0 ? std::abs(next_sum - target) < std::abs(end_sum - target)
-                                      : std::abs(static_cast<double>(next) - even) < std::abs(static_cast<double>(end) - even);
-        if (end > at && !closer) break;
-        end = next, end_sum = next_sum;
-      }
-      if (left == 0) end_sum = total;
-      sum = end_sum;
-      rest.lo[axis] = box.lo[axis] + at, rest.hi[axis] = box.lo[axis] + end;
-      parts.push_back({rest, std::max(0.0, sum - before), {}, {}});
-      before = sum, at = end;
+      const int64_t left = o_.ranks - rank - 1;  // each slab that follows needs a place
+      const double share = static_cast<double>(rank + 1) / static_cast<double>(o_.ranks), even = static_cast<double>(most_slabs) * share;
+      slab.hi[axis] = box.hi[axis];
+      if (left > 0)
+        slab.hi[axis] =
+            a * place_near(slab.lo[axis] / a + 1, most_slabs - left, weight * share, even, [&](int64_t at) { return layers.below(at * a); });
+      const double sum = left > 0 ? layers.below(slab.hi[axis]) : weight;
+      parts.push_back({slab, std::max(0.0, sum - before), {}, {}});
+      before = sum, slab.lo[axis] = slab.hi[axis];
     }
     progress_(1);
   }
@@ -160,24 +201,18 @@ class Cutter {
       const int64_t middle = std::clamp((lo + (hi - lo) * below / ranks) / a * a, first, last);
       return Cut{axis, middle, 0, 0};
     }
-    Box part = box;  // where the cut is searched, and the weight below it
-    double sum = 0;
-    if (axis != frame_.w || !along) sum = narrow(part, axis, target, first, last);
-    const auto layer = [&, layers = axis == frame_.w && along ? std::vector<double>() : by_layers(part, axis)](int64_t at) {
-      return layers.empty() ? along->weight[static_cast<size_t>(at - along->first)] : layers[static_cast<size_t>(at - part.lo[axis])];
-    };
+    Box part = box;  // where the cut is searched
     const double even = static_cast<double>(lo) + static_cast<double>(hi - lo) * static_cast<double>(below) / static_cast<double>(ranks);
-    std::optional<Cut> best;
-    for (int64_t at = part.lo[axis];; ++at) {
-      if (at >= first && at <= last && at % a == 0) {
-        const double error = std::abs(sum - target);
-        const bool nearer = best && error == best->error && std::abs(static_cast<double>(at) - even) < std::abs(static_cast<double>(best->at) - even);
-        if (!best || error < best->error || nearer) best = Cut{axis, at, sum, error};
-      }
-      if (at == part.hi[axis]) break;
-      sum += layer(at);
-    }
-    return best;
+    const auto cut = [&](const Layers& layers, double before) -> std::optional<Cut> {  // `before`: the weight of the box below the layers
+      const auto sum = [&](int64_t at) { return before + layers.below(at * a); };
+      const int64_t from = ceil_div(std::max(first, part.lo[axis]), a), to = std::min(last, part.hi[axis]) / a;
+      if (from > to) return std::nullopt;
+      const int64_t at = place_near(from, to, target, even / static_cast<double>(a), sum);
+      return Cut{axis, at * a, sum(at), std::abs(sum(at) - target)};
+    };
+    if (axis == frame_.w && along) return cut(*along, -along->below(lo));
+    const double before = narrow(part, axis, target, first, last);
+    return cut(by_layers(part, axis), before);
   }
 
   // Narrows a box to the chunk in which the weight passes the target, and on to the next places to cut at. Returns the weight below it.
@@ -203,12 +238,34 @@ class Cutter {
   }
   int64_t places(int64_t lo, int64_t hi) const { return std::max<int64_t>(1, (hi + o_.align - 1) / o_.align - lo / o_.align); }
 
-  // The work of a cell of the chunk, if it is the same for all.
+  // The work of a cell of the chunk, if it is known to be the same for all.
   std::optional<double> one_weight(const ChunkEntry& entry) const {
-    if (entry.size == 0) return weight_[entry.uniform[0]];
-    for (const LabelStats& l : entry.stats)
-      if (weight_[l.label] != weight_[entry.stats[0].label]) return std::nullopt;
-    return weight_[entry.stats[0].label];
+    const auto of_all = [&](const auto& labels, const auto& label_of) -> std::optional<double> {
+      const auto weight = [&](const auto& l) { return weight_[label_of(l)]; };
+      if (labels.empty() || std::ranges::adjacent_find(labels, std::not_equal_to(), weight) != labels.end()) return std::nullopt;
+      return weight(labels.front());
+    };
+    if (entry.size == 0) return of_all(entry.uniform, std::identity());
+    return of_all(entry.stats, [](const LabelStats& l) { return l.label; });
+  }
+
+  // The box in pieces: boxes whose cells weigh the same, as coarse chunks tell of many at once, and parts of chunks of level 0.
+  void for_each_piece(const Box& box, const std::function<void(const Box&, double)>& same, const std::function<void(const ChunkPart&)>& mixed) {
+    descend(reader_.levels() - 1, box, same, mixed);
+  }
+  void descend(int level, const Box& box, const std::function<void(const Box&, double)>& same, const std::function<void(const ChunkPart&)>& mixed) {
+    Box on_level = box;
+    for (int d = 0; d < 3; ++d) on_level.lo[d] >>= level, on_level.hi[d] = ceil_shift(box.hi[d], level);
+    for_each_part(reader_.shape(level), RayBox(on_level, frame_), [&](const ChunkPart& p) {
+      Box piece = frame_.box({p.first_u + p.u0, p.first_v + p.v0, p.first_w + p.w0}, {p.first_u + p.u1, p.first_v + p.v1, p.first_w + p.w1});
+      for (int d = 0; d < 3; ++d) piece.lo[d] = std::max(piece.lo[d] << level, box.lo[d]), piece.hi[d] = std::min(piece.hi[d] << level, box.hi[d]);
+      std::optional<double> weight;
+      if (level != 1 && reader_.stored(level))
+        weight = one_weight(*reader_.entry(p.key));  // packed grids alone store level 1: all are summed up alike
+      if (weight) same(piece, *weight);
+      else if (level > 0) descend(level - 1, piece, same, mixed);
+      else mixed(p);
+    });
   }
 
   std::shared_ptr<const Chunk> chunk(const ChunkKey& key) {
@@ -223,44 +280,38 @@ class Cutter {
   std::vector<double> by_chunks(const Box& box, int axis) {
     const int64_t side = axis == frame_.w ? shape_.chunk_cells : shape_.chunk_rays, first = box.lo[axis] / side;
     std::vector<double> out(static_cast<size_t>((box.hi[axis] - 1) / side - first + 1));
-    for_each_part(shape_, RayBox(box, frame_), [&](const ChunkPart& p) {
-      const uint32_t place = axis == frame_.u ? p.key.cu : axis == frame_.v ? p.key.cv : p.key.segment;
-      double& sum = out[static_cast<size_t>(place - first)];
-      const auto entry = reader_.entry(p.key);
-      if (const auto weight = one_weight(*entry)) sum += *weight * static_cast<double>(uint64_t{p.u1 - p.u0} * (p.v1 - p.v0) * (p.w1 - p.w0));
-      else if (p.whole)
-        for (const LabelStats& l : entry->stats) sum += weight_[l.label] * static_cast<double>(l.cells);
-      else
-        for_each_part_run(chunk(p.key)->rays, p,
-                          [&](uint32_t, uint32_t, uint32_t from, uint32_t to, SetId label) { sum += weight_[label] * (to - from); });
-    });
+    for_each_piece(
+        box,
+        [&](const Box& piece, double weight) {
+          const double layer = weight * layer_cells(piece, axis);
+          for (int64_t chunk = piece.lo[axis] / side; chunk * side < piece.hi[axis]; ++chunk)
+            out[static_cast<size_t>(chunk - first)] +=
+                layer * static_cast<double>(std::min(piece.hi[axis], (chunk + 1) * side) - std::max(piece.lo[axis], chunk * side));
+        },
+        [&](const ChunkPart& p) {
+          const uint32_t place = axis == frame_.u ? p.key.cu : axis == frame_.v ? p.key.cv : p.key.segment;
+          double& sum = out[static_cast<size_t>(place - first)];
+          if (p.whole)
+            for (const LabelStats& l : reader_.entry(p.key)->stats) sum += weight_[l.label] * static_cast<double>(l.cells);
+          else
+            for_each_part_run(chunk(p.key)->rays, p,
+                              [&](uint32_t, uint32_t, uint32_t from, uint32_t to, SetId label) { sum += weight_[label] * (to - from); });
+        });
     return out;
   }
 
-  // The weight in each layer of cells of a box along an axis.
-  std::vector<double> by_layers(const Box& box, int axis) {
-    std::vector<double> out(static_cast<size_t>(cells_in(box, axis)) + 1);
-    // Along the rays, each run adds where it begins and takes off where it ends.
-    for_each_part(shape_, RayBox(box, frame_), [&](const ChunkPart& p) {
-      const auto add = [&](uint32_t u, uint32_t v, uint32_t from, uint32_t to, double weight) {
-        if (axis == frame_.w) {
-          out[static_cast<size_t>(p.first_w + from - box.lo[axis])] += weight;
-          out[static_cast<size_t>(p.first_w + to - box.lo[axis])] -= weight;
-        } else {
-          out[static_cast<size_t>((axis == frame_.u ? p.first_u + u : p.first_v + v) - box.lo[axis])] += weight * (to - from);
-        }
-      };
-      const auto entry = reader_.entry(p.key);
-      if (const auto weight = one_weight(*entry)) {
-        if (axis == frame_.w) add(0, 0, p.w0, p.w1, *weight * (p.u1 - p.u0) * (p.v1 - p.v0));
-        else for_each_ray(p, [&](uint32_t u, uint32_t v) { add(u, v, p.w0, p.w1, *weight); });
-      } else {
-        for_each_part_run(chunk(p.key)->rays, p,
-                          [&](uint32_t u, uint32_t v, uint32_t from, uint32_t to, SetId label) { add(u, v, from, to, weight_[label]); });
-      }
-    });
-    if (axis == frame_.w) std::partial_sum(out.begin(), out.end(), out.begin());
-    out.pop_back();
+  Layers by_layers(const Box& box, int axis) {
+    Layers out;
+    for_each_piece(
+        box, [&](const Box& piece, double weight) { out.add(piece.lo[axis], piece.hi[axis], weight * layer_cells(piece, axis)); },
+        [&](const ChunkPart& p) {
+          for_each_part_run(chunk(p.key)->rays, p, [&](uint32_t u, uint32_t v, uint32_t from, uint32_t to, SetId label) {
+            if (axis == frame_.w) return out.add(p.first_w + from, p.first_w + to, weight_[label]);
+            const int64_t at = axis == frame_.u ? p.first_u + u : p.first_v + v;
+            out.add(at, at + 1, weight_[label] * (to - from));
+          });
+        });
+    out.sum_up();
     return out;
   }
 
@@ -334,8 +385,9 @@ Partition make_partition(const GridReader& reader, const PartitionOptions& optio
   Cutter cutter(reader, options, progress);
   progress(0);
   out.total = cutter.weight_of(all);
+  if (!(out.total > 0)) throw OptionError("weight: expected work in some cell of the grid, found 0 in all of them");
   if (options.method == PartitionMethod::kBlocks) cutter.bisect(all, out.total, options.ranks);
-  else cutter.slabs(all, static_cast<int>(std::ranges::max_element(out.cells) - out.cells.begin()));
+  else cutter.slabs(all, out.total, static_cast<int>(std::ranges::max_element(out.cells) - out.cells.begin()));
   out.parts = std::move(cutter.parts);
   for (Part& part : out.parts) part.halo_box = with_halo(part.box, options.halo, out.cells);
   find_neighbours(out.parts, options.halo, progress);

@@ -37,7 +37,7 @@ struct Partition {
 };
 
 // Progress is called with the share that is done, and may throw. Chunks are decoded, cells are never expanded. Throws UsageError when
-// there are more ranks than the grid has cells to cut at.
+// there are more ranks than the grid has cells to cut at, and when no cell has any work.
 Partition make_partition(const GridReader& reader, const PartitionOptions& options, const std::function<void(double)>& progress);
 
 // A box and the halo around it, clipped to the grid.

@@ -3,10 +3,10 @@ import json
 import os
 
 import solids
-from program import Case
+from serving import ServeCase
 
 
-class Check(Case):
+class Check(ServeCase):
     def setUp(self):
         super().setUp()
         self.write("plate.stl", solids.binary_stl(solids.box_facets((2.0, 2.0, 5.0), (18.0, 18.0, 6.0))))
@@ -48,3 +48,30 @@ class Check(Case):
         self.refused(1, ["d.tcell"], "check", "d.tcell")
         self.assertFalse(os.path.exists(self.path("d.check.json")))
         self.assertFalse(os.path.exists(self.path("d.check.json.partial")))
+
+    def test_a_packed_grid_has_what_was_found_in_its_cells(self):
+        self.run_ok("mesh", "s.json", "-o", "g.tcell", "--check")
+        found = self.read_json("g.check.json")
+        self.run_ok("pack", "g.tcell", "-o", "p.tcell")
+        packed = self.read_json("p.check.json")
+        self.assertEqual(packed["grid_hash"], self.json_of("info", "p.tcell")["file"]["hash"])
+        self.assertNotEqual(packed["grid_hash"], found["grid_hash"])
+        self.assertEqual(packed, self.json_of("check", "p.tcell"))
+        for key in ("cells_hash", "findings", "totals", "walls", "not_looked_at"):
+            self.assertEqual(packed[key], found[key])
+        os.replace(self.path("p.tcell"), self.path("g.tcell"))  # in its place, beside what was found before
+        self.assertEqual(self.served("g"), packed)
+        self.scene["grid"]["cells"] = [20, 20, 21]  # other cells
+        self.write("s.json", self.scene)
+        self.run_ok("mesh", "s.json", "-o", "g.tcell")
+        self.assertIsNone(self.served("g"))
+        self.run_ok("pack", "g.tcell", "-o", "q.tcell")
+        self.assertFalse(os.path.exists(self.path("q.check.json")))
+
+    def served(self, name):
+        """What a server answers about a grid."""
+        server = self.serve(f"{name}.tcell")
+        listed, answer = server.get("/api/v1/grids").json()["grids"][0], server.get(f"/api/v1/grids/{name}/check")
+        self.stop(server)
+        self.assertEqual(answer.status, 200 if listed["checked"] else 404)
+        return answer.json() if listed["checked"] else None

@@ -27,6 +27,15 @@ class Usage(Case):
         self.assertEqual(self.run_ok("help", "mesh").out, self.run_ok("mesh", "--help").out)
         self.refused(2, ["no command 'mehs'"], "help", "mehs")
 
+    def test_no_argument_of_a_command_is_called_like_its_options(self):
+        for command in re.findall(r"^  ([a-z]+)  ", self.run_ok("--help").out.split("Commands:")[1], re.M):
+            told, options = self.run_ok(command, "--help").out.split("Options:")
+            arguments = re.findall(r"^  ([a-z]\S*)", told.partition("Positionals:")[2], re.M)
+            names = [name.lstrip("-") for option in re.findall(r"^  (-\S*)", options, re.M) for name in option.split(",")]
+            self.assertIn("help", names)
+            self.assertEqual(bool(arguments), "Positionals:" in told)
+            self.assertEqual(set(arguments) & set(names), set(), f"newer versions of CLI11 refuse {command}")
+
     def test_licenses(self):
         notice = (pathlib.Path(__file__).resolve().parents[2] / "NOTICE").read_text()
         self.assertEqual(self.run_ok("--licenses").out, notice)

@@ -95,6 +95,20 @@ class Origin:
             return False
         send(h, 416, {}, b"no such range")
 
+    def wrong_suffix_whole(self, h, name, body, number):
+        """Sends the whole object in place of its end, but more slowly than anybody waits for."""
+        if not h.headers.get("Range", "").startswith("bytes=-"):
+            return False
+        h.send_response(200)
+        h.send_header("ETag", f'"{hashlib.md5(body).hexdigest()}"')
+        h.send_header("Content-Length", str(len(body)))
+        h.end_headers()
+        h.wfile.write(body[:1000])
+        h.wfile.flush()
+        h.connection.settimeout(30)
+        h.connection.recv(1)  # until the client has gone
+        h.close_connection = True
+
     def wrong_suffix_from_start(self, h, name, body, number):
         """Takes -100 for 0-100, as s3rver does."""
         if h.headers.get("Range", "").startswith("bytes=-"):

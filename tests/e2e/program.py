@@ -71,6 +71,9 @@ class Case(unittest.TestCase):
     def bytes(self, name):
         return pathlib.Path(self.path(name)).read_bytes()
 
+    def read_json(self, name):
+        return json.loads(self.bytes(name))
+
     def run_ok(self, *args, **options):
         r = teracell(*args, cwd=self.folder, **options)
         self.assertEqual(r.status, 0, f"{r.args}: {r.err}")

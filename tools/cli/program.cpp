@@ -16,7 +16,15 @@
 namespace teracell::cli {
 namespace {
 
-constexpr const char* kNoRoom = "out of memory, or of threads: free some, or take fewer --threads, a smaller --region, or surfaces with fewer facets";
+// What takes less, of what the command has.
+std::string no_room(const CLI::App& command) {
+  constexpr std::pair<const char*, const char*> kWays[] = {
+      {"--threads", "fewer --threads"}, {"--region", "a smaller --region"}, {"--ranks", "fewer --ranks"}, {"--fill", "surfaces with fewer facets"}};
+  std::string ways;
+  for (const auto& [option, way] : kWays)
+    if (command.get_option_no_throw(option)) ways += fmt::format("{}{}", ways.empty() ? ", or take " : " or ", way);
+  return "out of memory, or of threads: free some" + ways;
+}
 
 // A file that is opened while descriptor 0, 1 or 2 is closed would get that number, and then whatever is printed. Writing to a
 // descriptor that is open for reading fails like writing to a closed one.
@@ -79,7 +87,7 @@ std::string explain(const CLI::ParseError& e, const CLI::App& app) {
   return text;
 }
 
-Failure current_failure() {
+Failure current_failure(const CLI::App& command) {
   try {
     throw;
   } catch (const UsageError& e) {
@@ -87,9 +95,9 @@ Failure current_failure() {
   } catch (const Interrupted& e) {
     return {130, e.what()};
   } catch (const std::bad_alloc&) {
-    return {1, kNoRoom};
+    return {1, no_room(command)};
   } catch (const std::system_error& e) {
-    return {1, e.code() == std::errc::resource_unavailable_try_again ? kNoRoom : e.what()};  // a thread that didn't start
+    return {1, e.code() == std::errc::resource_unavailable_try_again ? no_room(command) : e.what()};  // a thread that didn't start
   } catch (const Error& e) {
     return {1, with_hint(e)};
   } catch (const std::exception& e) {

@@ -17,6 +17,6 @@ struct Failure {
   int status;
   std::string message;
 };
-Failure current_failure();  // the exception that is being handled
+Failure current_failure(const CLI::App& command);  // the exception that is being handled
 
 }  // namespace teracell::cli

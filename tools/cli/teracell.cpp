@@ -78,7 +78,8 @@ int main(int argc, char** argv) {
     return fail(2,
                 fmt::format("{}. See: teracell {}--help", explain(e, subs.empty() ? app : *subs[0]), subs.empty() ? "" : subs[0]->get_name() + " "));
   } catch (...) {
-    const Failure failure = current_failure();
+    const auto subs = app.get_subcommands();
+    const Failure failure = current_failure(subs.empty() ? app : *subs[0]);
     return fail(failure.status, failure.message);
   }
 }

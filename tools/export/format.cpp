@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "store/base/error.hpp"
+#include "store/text/name_list.hpp"
 #include "store/text/words.hpp"
 #include "tools/export/assignments.hpp"
 
@@ -20,11 +21,7 @@ uint32_t Export::most() const { return map.empty() ? static_cast<uint32_t>(reade
 std::vector<bool> Export::materials(const std::string& option) const {
   const std::vector<MaterialInfo>& all = reader.meta().materials;
   std::vector<bool> out(all.size(), false);
-  for (std::string_view rest = options.at(option); !rest.empty();) {
-    const std::string_view name = rest.substr(0, rest.find(','));
-    rest.remove_prefix(std::min(rest.size(), name.size() + 1));
-    out[material_named(all, std::string(name), option)] = true;
-  }
+  for (const std::string& name : names_in(options.at(option), option)) out[material_named(all, name, option)] = true;
   return out;
 }
 

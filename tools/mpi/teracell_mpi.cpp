@@ -54,18 +54,18 @@ void end_job(Ranks& ranks, const cli::Failure& failure) {
   ranks.abort(failure.status);
 }
 
-cli::Failure failure_of(const Ranks& ranks) {
+cli::Failure failure_of(const Ranks& ranks, const CLI::App& command) {
   try {
     throw;
   } catch (const RankFailed& e) {
     return {e.status, e.what()};
   } catch (...) {
-    const cli::Failure failure = cli::current_failure();
+    const cli::Failure failure = cli::current_failure(command);
     return {failure.status, fmt::format("{}: {}", ranks.name(), failure.message)};
   }
 }
 
-void mesh_together(Ranks& ranks, const cli::MeshArguments& arguments, int threads) {
+void mesh_together(Ranks& ranks, const CLI::App& command, const cli::MeshArguments& arguments, int threads) {
   const std::atomic<bool>& interrupted = cli::watch_interrupts();
   const bool first = ranks.rank() == 0;
   const mesher::Scene scene = scene_from(arguments);
@@ -99,7 +99,7 @@ void mesh_together(Ranks& ranks, const cli::MeshArguments& arguments, int thread
       if (!busy) std::this_thread::sleep_for(pause);
     }
   } catch (...) {
-    cli::Failure failure = failure_of(ranks);
+    cli::Failure failure = failure_of(ranks, command);
     if (first && conductor) {
       if (const uint32_t pieces = conductor->clean_up(); pieces > 0)
         failure.message += fmt::format(" ({} of the grid {} kept: go on with --resume, or remove {}.piece-*)",
@@ -155,9 +155,9 @@ int main(int argc, char** argv) {
   if (refuser < ranks.size()) return 2;
   if (ranks.least(outcome) == kTold) return 0;
   try {
-    mesh_together(ranks, arguments, threads);
+    mesh_together(ranks, mesh, arguments, threads);
   } catch (...) {
-    end_job(ranks, failure_of(ranks));
+    end_job(ranks, failure_of(ranks, mesh));
   }
   while (!ranks.sent_all()) std::this_thread::sleep_for(milliseconds(1));
   return 0;

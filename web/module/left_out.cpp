@@ -18,8 +18,8 @@ std::unique_ptr<Parts> gzip_parts(std::unique_ptr<Parts> parts) { return parts; 
 
 namespace teracell::inline store {
 
-std::string read_kept_findings(const std::filesystem::path&, const std::string&) { return ""; }
-bool has_kept_findings(const std::filesystem::path&, const std::string&) { return false; }
+std::string read_kept_findings(const std::filesystem::path&, const GridReader&) { return ""; }
+bool has_kept_findings(const std::filesystem::path&, const GridReader&) { return false; }
 
 struct ChunkEncoder::Scratch {};
 ChunkEncoder::ChunkEncoder() = default;

@@ -194,7 +194,7 @@ TEST_CASE("What a part says was found must fit its grid", "[parts]") {
   };
   using What = TallyKey::What;
   const auto tally = [](PartFound& found, What what, uint32_t of, uint8_t axis, Index3 cell) {
-    found.totals.tallies.add({what, of, axis}, {1, 1u << 30, 0, cell});
+    found.totals.tallies.add({what, of, axis}, {1, 1e300, kSubPositions, 0, cell});
   };
   refused(1, "other bodies", [](PartFound& f) { f.totals.cells.pop_back(), f.totals.covered.pop_back(); });
   refused(1, "counts something else", [&](PartFound& f) { tally(f, What::kPairs, 0, 3, {0, 0, 0}); });
@@ -203,6 +203,7 @@ TEST_CASE("What a part says was found must fit its grid", "[parts]") {
   refused(1, "counts in something else", [&](PartFound& f) { tally(f, What::kGaps, 3, 0, {0, 0, 0}); });
   refused(1, "lies outside", [&](PartFound& f) { tally(f, What::kPairs, 0, 2, {0, 0, 19}); });
   refused(1, "lies outside", [&](PartFound& f) { tally(f, What::kPairs, 0, 2, {-1, 0, 0}); });
+  refused(1, "another length", [&](PartFound& f) { tally(f, What::kGaps, 1, 2, {0, 0, 0}); });
   const auto overlap = [](PartFound& found, uint32_t other, int64_t end) {
     OverlapPacker packer;
     packer.put({{0, other}, false, 1, {{0, 0, end - 1}, {1, 1, end}}, {0, 0, end - 1}});

@@ -6,25 +6,27 @@
 namespace teracell::mesher {
 namespace {
 
-bool same(const Tally& a, const Tally& b) { return a.number == b.number && a.widest == b.widest && a.from == b.from && a.cell == b.cell; }
+bool same(const Tally& a, const Tally& b) {
+  return a.number == b.number && a.length == b.length && a.widest == b.widest && a.from == b.from && a.cell == b.cell;
+}
 bool same(const Tallies& a, const Tallies& b) {
   return std::ranges::equal(a.all(), b.all(), [](const auto& x, const auto& y) { return x.first == y.first && same(x.second, y.second); });
 }
 
-TEST_CASE("A tally counts all and keeps the widest, of equals the one with the least z, then y, then x") {
-  Tally sum{1, 5, 7, {9, 9, 9}};
-  sum.add({2, 4, 1, {0, 0, 0}});
-  CHECK(same(sum, {3, 5, 7, {9, 9, 9}}));
-  sum.add({1, 6, 2, {8, 8, 8}});
-  CHECK(same(sum, {4, 6, 2, {8, 8, 8}}));
-  sum.add({1, 6, 3, {0, 0, 9}});
+TEST_CASE("A tally counts all and keeps the longest, of equals the one with the least z, then y, then x") {
+  Tally sum{1, 0.5, 5, 7, {9, 9, 9}};
+  sum.add({2, 0.4, 9, 1, {0, 0, 0}});  // more sub-positions, of a narrower cell
+  CHECK(same(sum, {3, 0.5, 5, 7, {9, 9, 9}}));
+  sum.add({1, 0.6, 2, 2, {8, 8, 8}});
+  CHECK(same(sum, {4, 0.6, 2, 2, {8, 8, 8}}));
+  sum.add({1, 0.6, 6, 3, {0, 0, 9}});
   CHECK(sum.cell == Index3{8, 8, 8});
-  sum.add({1, 6, 3, {0, 9, 8}});
+  sum.add({1, 0.6, 6, 3, {0, 9, 8}});
   CHECK(sum.cell == Index3{8, 8, 8});
-  sum.add({1, 6, 3, {9, 7, 8}});
+  sum.add({1, 0.6, 6, 3, {9, 7, 8}});
   CHECK(sum.cell == Index3{9, 7, 8});
-  sum.add({1, 6, 4, {9, 9, 7}});
-  CHECK(same(sum, {8, 6, 4, {9, 9, 7}}));
+  sum.add({1, 0.6, 6, 4, {9, 9, 7}});
+  CHECK(same(sum, {8, 0.6, 6, 4, {9, 9, 7}}));
 }
 
 std::vector<std::pair<TallyKey, Tally>> some_tallies() {
@@ -35,7 +37,8 @@ std::vector<std::pair<TallyKey, Tally>> some_tallies() {
     const TallyKey key{static_cast<TallyKey::What>(small(4)), small(3), static_cast<uint8_t>(small(3))};
     // Within a key, a place has one width.
     const Index3 cell{small(4), small(4), int64_t{1} << small(31)};
-    out.push_back({key, {uint64_t{1} << small(60), 1 + static_cast<uint32_t>(cell[0] * 100), static_cast<uint32_t>(cell[1]), cell}});
+    out.push_back(
+        {key, {uint64_t{1} << small(60), 0.25 * static_cast<double>(cell[0]), static_cast<uint32_t>(cell[0]), static_cast<uint32_t>(cell[1]), cell}});
   }
   return out;
 }
@@ -59,9 +62,9 @@ TEST_CASE("What is not tallied is not found, what is differs by kind, body and a
   Tallies tallies;
   const TallyKey key{TallyKey::What::kGaps, 2, 1};
   CHECK(tallies.find(key) == nullptr);
-  tallies.add(key, {3, 4, 5, {6, 7, 8}});
+  tallies.add(key, {3, 4, 5, 6, {7, 8, 9}});
   REQUIRE(tallies.find(key) != nullptr);
-  CHECK(same(*tallies.find(key), {3, 4, 5, {6, 7, 8}}));
+  CHECK(same(*tallies.find(key), {3, 4, 5, 6, {7, 8, 9}}));
   for (const TallyKey& other :
        {TallyKey{TallyKey::What::kStretches, 2, 1}, TallyKey{TallyKey::What::kGaps, 3, 1}, TallyKey{TallyKey::What::kGaps, 2, 0}})
     CHECK(tallies.find(other) == nullptr);
@@ -90,15 +93,15 @@ TEST_CASE("Sub-positions go from one sample point to the next, both included, an
   CHECK(sub_position(axis, 1, kSubPositions / 4) == 3.5);
 }
 
-TEST_CASE("A tally's place is the middle of the widest, on its axis, and its width a length") {
+TEST_CASE("A tally's place is the middle of the widest, on its axis; so many sub-positions of a cell are a length") {
   const Grid grid{{Axis::uniform(0, 2, 0, 4, 0.5), Axis::uniform(10, 1, 0, 4, 0.5), Axis::graded({0, 1, 2, 8}, 0.5)}};
-  const Tally tally{5, kSubPositions / 2, kSubPositions / 4, {1, 2, 1}};
+  const Tally tally{5, 1, kSubPositions / 2, kSubPositions / 4, {1, 2, 1}};
   const auto place = [&](TallyKey::What what, uint8_t axis) { return place_of({what, 0, axis}, tally, grid); };
   CHECK(place(TallyKey::What::kStretches, 0) == Vec3{4, 12.5, 1.5});
   CHECK(place(TallyKey::What::kGaps, 2) == Vec3{3, 12.5, 3.25});  // between 1.5 and 5
   CHECK(place(TallyKey::What::kLowerSide, 1) == Vec3{3, 10, 1.5});
-  CHECK(width_of({TallyKey::What::kGaps, 0, 0}, tally, grid) == 1);
-  CHECK(width_of({TallyKey::What::kGaps, 0, 2}, tally, grid) == 1.75);
+  CHECK(length_of(grid.axis[0], 1, kSubPositions / 2) == 1);
+  CHECK(length_of(grid.axis[2], 1, kSubPositions / 2) == 1.75);
 }
 
 }  // namespace

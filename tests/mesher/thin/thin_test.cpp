@@ -14,12 +14,13 @@ using shapes::Facets;
 // What is lost of a body or a material along an axis.
 struct Lost {
   uint64_t number = 0;
+  double length = 0;
   uint32_t widest = 0;
   Vec3 at{};
 
-  void add(uint32_t width, const Vec3& place) {
+  void add(uint32_t width, double unit, const Vec3& place) {
     ++number;
-    if (width > widest) widest = width, at = place;  // intervals come in order
+    if (width * unit > length) length = width * unit, widest = width, at = place;  // intervals come in order
   }
 };
 
@@ -98,7 +99,10 @@ Expected expected_of(const std::vector<Body>& bodies, const Grid& grid) {
     };
     const auto tally = [&](Lost& lost, const std::vector<Run>& found) {
       const auto widest = std::ranges::max_element(found, {}, [](const Run& r) { return r.to - r.from; });
-      lost.add(widest->to - widest->from, place(place_of_sub_position(grid.axis[axis], lower[axis], widest->from + (widest->to - widest->from) / 2)));
+      const Axis& line = grid.axis[axis];
+      const double cell = line.is_graded() ? line.centre(upper[axis]) - line.centre(lower[axis]) : line.step();
+      lost.add(widest->to - widest->from, cell / 65536,
+               place(place_of_sub_position(grid.axis[axis], lower[axis], widest->from + (widest->to - widest->from) / 2)));
     };
     for (size_t b = 0; b < bodies.size(); ++b) {
       REQUIRE(winding_at(b, 65536) == windings[b][number(upper)]);
@@ -135,6 +139,7 @@ Scene keeping(const TempFolder& folder, const std::vector<Body>& bodies, const G
 void expect_lost(const nlohmann::ordered_json& found, const Lost& expected) {
   REQUIRE(found["number"] == expected.number);
   REQUIRE(found["widest_65536ths"] == expected.widest);
+  REQUIRE(found["widest"] == expected.length);
   if (expected.number > 0) REQUIRE(found["at"].get<Vec3>() == expected.at);
   else REQUIRE(found["at"].is_null());
 }
@@ -221,6 +226,18 @@ TEST_CASE("A plate a tenth of a cell thick is kept without a hole, however it li
       REQUIRE(lost["number"] == (at == 7.5 ? 0 : 225));  // on the sample points it is not lost
       if (at != 7.5) REQUIRE(lost["widest"].get<double>() == Approx(0.1).margin(1e-4));
     }
+}
+
+TEST_CASE("The widest of what is lost is the longest, not the one with the largest share of its cell", "[thin]") {
+  const TempFolder folder;
+  const Grid grid{{Axis::uniform(0, 1, 0, 4, 0.5), Axis::uniform(0, 1, 0, 4, 0.5), Axis::graded({0, 1, 2, 12, 22}, 0.5)}};
+  const Facets plates = shapes::join({shapes::box({1, 1, 0.75}, {3, 3, 1.25}), shapes::box({1, 1, 10}, {3, 3, 13})});  // 0.5 of 1 and 3 of 10
+  for_axes(scene_of(folder, {{plates}}, grid), {.thin = true}, [](const GridReader&, const auto& report) {
+    const auto& lost = report["bodies"][0]["lost"]["z"];
+    CHECK(lost["number"] == 8);
+    CHECK(lost["widest"].template get<double>() == Approx(3).margin(0.001));
+    CHECK(lost["at"][2].template get<double>() == Approx(11.5).margin(0.001));
+  });
 }
 
 TEST_CASE("A gap narrower than a cell is counted by its material with --thin", "[thin]") {

@@ -14,7 +14,7 @@ TEST_CASE("What was found about a grid is answered when it is kept for this vers
   Served s;
   const std::string target = "/api/v1/grids/g/check";
   CHECK(s.get(target).status == 404);
-  CHECK(s.error(target) == "nobody has looked through this version of grid 'g' yet: `teracell check` does");
+  CHECK(s.error(target) == "nobody has looked through the cells of grid 'g' yet: `teracell check` does");
   const auto keep = [&](const std::string& hash, const std::string& sentence) {
     Findings findings;
     findings.hash = hash;

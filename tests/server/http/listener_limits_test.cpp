@@ -129,7 +129,7 @@ TEST_CASE("a trusted proxy names the clients, others can't", "[server][listener]
   HttpClient b = f.client(2);
   b.get("/held?dear", "X-Forwarded-For: 10.0.0.3\r\n");
   REQUIRE(soon([&] { return f.metrics.waiting == 2; }));
-  CHECK(f.client(2).closed());  // one connection is the share of a client
+  CHECK(f.get("/", "", 2).status == 503);  // one connection is the share of a client
 }
 
 TEST_CASE("while clients are slow to take much, nothing more is made", "[server][listener][threads]") {
@@ -222,21 +222,52 @@ TEST_CASE("a client gets its share of the connections and no more", "[server][li
   Fixture f({.max_connections = 4, .max_connections_per_client = 2});
   HttpClient a = f.client(), b = f.client();
   a.get("/");
+  CHECK(a.answer().status == 200);
+  std::this_thread::sleep_for(100ms);
   b.get("/");
-  CHECK((a.answer().status == 200 && b.answer().status == 200));
-  CHECK(f.client().closed());
+  CHECK(b.answer().status == 200);
+  HttpClient c = f.client();  // takes the place of the one that has been idle longest, which is not that of another client
+  c.get("/");
+  CHECK(c.answer().status == 200);
+  CHECK(a.closed());
+  b.get("/");
+  CHECK(b.answer().status == 200);
   CHECK(f.get("/", "", 2).status == 200);
+  b.get("/held");
+  c.get("/held");
+  REQUIRE(soon([&] { return f.metrics.waiting == 2; }));
+  const auto refused = f.get("/");
+  CHECK(refused.status == 503);
+  CHECK(refused.has("Retry-After: 1"));
+  CHECK(refused.has("Connection: close"));
+  CHECK(f.metrics.refused == 1);
+  f.door.open();
 }
 
-TEST_CASE("busy connections beyond the limit are closed, and there is room again when others go", "[server][listener]") {
+TEST_CASE("many that come at once take the places of idle ones, each of another one, and no more are served than a client may have",
+          "[server][listener][threads]") {
+  Fixture f({.max_connections = 8, .max_connections_per_client = 4});
+  std::vector<std::unique_ptr<HttpClient>> clients;
+  for (int i = 0; i < 40; ++i) clients.push_back(std::make_unique<HttpClient>(f.listener->url()));
+  REQUIRE(soon([&] { return f.metrics.connections == 4; }));
+  CHECK(soon([&] { return f.get("/").status == 200; }));
+  CHECK(soon([&] { return f.metrics.connections <= 4; }));
+}
+
+TEST_CASE("connections beyond the limit are told so while all others are busy, and there is room again when others go", "[server][listener]") {
   Fixture f({.max_connections = 3});
   {
     HttpClient a = f.client(), b = f.client(), c = f.client();
     for (HttpClient* held : {&a, &b, &c}) held->get("/held");
     REQUIRE(soon([&] { return f.metrics.waiting == 3; }));
-    HttpClient d = f.client();
-    CHECK(d.closed());
+    CHECK(f.get("/").status == 503);
     CHECK(f.metrics.refused == 1);
+    HttpClient silent = f.client();
+    CHECK(silent.closed());
+    std::vector<std::unique_ptr<HttpClient>> more;
+    for (uint64_t i = 0; i < ListenerOptions::kMostRefused; ++i) more.push_back(std::make_unique<HttpClient>(f.listener->url()));
+    REQUIRE(soon([&] { return f.metrics.refused == 2 + ListenerOptions::kMostRefused; }));
+    CHECK(f.client().closed());
     f.door.open();
   }
   REQUIRE(soon([&] { return f.metrics.connections == 0; }));

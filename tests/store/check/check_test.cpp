@@ -178,30 +178,44 @@ TEST_CASE("Counts above 2^53 come as text too", "[check]") {
   CHECK(j["totals"]["island"]["cells_text"] == "1180591620717411303424");
 }
 
-TEST_CASE("The document beside a grid counts only for the grid that it was made for", "[check]") {
+TEST_CASE("The document beside a grid counts only for the cells that it was made for", "[check]") {
   const TempFolder folder;
   const auto grid = folder / "a.b.tcell";
+  const Metadata meta = metadata_of(unit_grid({9, 7, 5}), 2, 2);
+  std::vector<Label> cells(9 * 7 * 5, 0);
+  const GridReader reader = reader_of(meta, cells);
+  cells.back() = 1;
+  const GridReader other = reader_of(meta, cells);
   CHECK(kept_findings(grid) == folder / "a.b.check.json");
-  CHECK(read_kept_findings(grid, "123").empty());
-  Findings findings;
-  findings.hash = "123";
+  CHECK(read_kept_findings(grid, reader).empty());
   const auto put = [&](const std::string& text) { std::ofstream(folder / "a.b.check.json") << text; };
-  put(findings_json(findings) + "\n");
-  CHECK(read_kept_findings(grid, "123") == findings_json(findings));
-  CHECK(has_kept_findings(grid, "123"));
-  CHECK(read_kept_findings(grid, "124").empty());
+  Findings findings;
+  const auto expect = [&](bool by_reader, bool by_other) {
+    put(findings_json(findings) + "\n");
+    CHECK(read_kept_findings(grid, reader) == (by_reader ? with_grid_hash(findings_json(findings), reader.hash()) : ""));
+    CHECK(read_kept_findings(grid, other) == (by_other ? with_grid_hash(findings_json(findings), other.hash()) : ""));
+    CHECK(has_kept_findings(grid, reader) == by_reader);
+    CHECK(has_kept_findings(grid, other) == by_other);
+  };
+  expect(false, false);
+  findings.hash = reader.hash();
+  expect(true, false);
+  findings.cells_hash = other.cells_hash();
+  expect(true, true);
+  findings.hash = "123";
+  expect(false, true);
   const std::string whole = findings_json(findings);
   for (size_t size = 0; size < whole.size(); ++size) {
     put(whole.substr(0, size));
-    CHECK_FALSE(has_kept_findings(grid, "123"));
+    CHECK_FALSE(has_kept_findings(grid, other));
     std::string changed = whole;
     changed[size] ^= 1;
     put(changed);
-    CHECK(read_kept_findings(grid, "123").empty());
+    CHECK(read_kept_findings(grid, other).empty());
   }
-  for (const char* other : {"", "{}", "nonsense", R"({"schema":1,"grid_hash":")"}) {
-    put(other);
-    CHECK(read_kept_findings(grid, "").empty());
+  for (const char* text : {"", "{}", "nonsense", R"({"schema":1,"grid_hash":")", R"({"schema":1,"grid_hash":"","cells_hash":")"}) {
+    put(text);
+    CHECK(read_kept_findings(grid, reader).empty());
   }
 }
 

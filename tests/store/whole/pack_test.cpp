@@ -22,6 +22,7 @@ TEST_CASE("A packed file is sound and has the same cells, report and statistics"
     verify_quietly(now);
     REQUIRE(read_everything(now) == read_everything(old));
     REQUIRE(now.report() == old.report());
+    REQUIRE(now.cells_hash() == old.cells_hash());
     const Box all = old.meta().grid.box(0);
     const auto a = read_stats(old, all), b = read_stats(now, all);
     for (size_t i = 0; i < a.size(); ++i) REQUIRE((a[i].cells == b[i].cells && a[i].volume == b[i].volume));
@@ -34,6 +35,24 @@ TEST_CASE("A packed file is sound and has the same cells, report and statistics"
     REQUIRE(now.stored(1) == (old.meta().grid.levels() > 1));
     REQUIRE_FALSE(reader_of(smaller).stored(1));
   }
+}
+
+TEST_CASE("The hash of the cells is another one for other cells, names and coordinates, and stays when channels come") {
+  const Index3 n = {9, 7, 5};
+  const std::vector<Label> cells(9 * 7 * 5, 0);
+  const Metadata meta = with_tiny_chunks(metadata_of(unit_grid(n), 2, 2));
+  std::set<std::string> hashes = {reader_of(meta, cells).cells_hash()};
+  for (size_t i = 0; i < cells.size(); ++i) {
+    std::vector<Label> changed = cells;
+    changed[i] = 1;
+    CHECK(hashes.insert(reader_of(meta, changed).cells_hash()).second);
+  }
+  Metadata renamed = meta, moved = meta;
+  renamed.materials[1].name = "other";
+  moved.grid = uniform_grid(0.5, 1, n);
+  for (const Metadata& m : {renamed, moved}) CHECK(hashes.insert(reader_of(m, cells).cells_hash()).second);
+  const Bytes file = chunked_file(1, {5, 2, 4});
+  CHECK(reader_of(with_channel(file)).cells_hash() == reader_of(file).cells_hash());
 }
 
 TEST_CASE("In a packed file, squares of chunks are stretches of bytes, and pages lie behind all chunks") {

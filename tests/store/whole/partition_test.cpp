@@ -99,6 +99,36 @@ TEST_CASE("Parts cover each cell once, with the weights of their cells and the n
   }
 }
 
+TEST_CASE("Slabs end where the weight below is nearest to the rank's share, of several places at the one nearest to equal widths") {
+  for (uint64_t seed = 0; seed < rounds(24); ++seed) {
+    Cut c(100 + seed, static_cast<int>(seed % 3));
+    const Index3 n = c.grid.cells();
+    const auto axis = static_cast<size_t>(std::ranges::max_element(n) - n.begin());
+    const int64_t align = random_int(c.random, 1, 3), places = (n[axis] + align - 1) / align,
+                  ranks = random_int(c.random, 1, static_cast<int>(places));
+    const PartitionOptions o{ranks, PartitionMethod::kSlabs, {1, 0, 2.5, 0.25}, align, 0};  // sums without rounding
+    std::vector<double> below = {0};                                                        // of the places to cut at
+    for (int64_t place = 0; place < places; ++place) {
+      Box layers = c.grid.box(0);
+      layers.lo[axis] = place * align, layers.hi[axis] = std::min(n[axis], (place + 1) * align);
+      below.push_back(below.back() + c.weight(layers, o.weights));
+    }
+    const Partition p = make_partition(*c.reader, o, kSilent);
+    int64_t at = 0;
+    for (int64_t rank = 0; rank + 1 < ranks; ++rank) {
+      const double share = static_cast<double>(rank + 1) / static_cast<double>(ranks);
+      const auto badness = [&](int64_t place) {
+        return std::tuple(std::abs(below[static_cast<size_t>(place)] - below.back() * share),
+                          std::abs(static_cast<double>(place) - static_cast<double>(places) * share), place);
+      };
+      const auto open = std::views::iota(at + 1, places - (ranks - rank - 1) + 1);
+      at = *std::ranges::min_element(open, {}, badness);
+      INFO("seed " << seed << ", rank " << rank << " of " << ranks << ", align " << align);
+      REQUIRE(p.parts[static_cast<size_t>(rank)].box.hi[axis] == at * align);
+    }
+  }
+}
+
 TEST_CASE("The parts do not depend on the axis of the rays where all cells weigh the same, and are balanced") {
   const TempFolder folder;
   for (int w = 0; w < 3; ++w) {
@@ -145,6 +175,8 @@ TEST_CASE("More ranks than cells, and options out of range, are refused") {
   CHECK_THROWS_WITH(make_partition(*c.reader, {2, PartitionMethod::kBlocks, ones, 1, -1}, kSilent), Catch::StartsWith("halo: "));
   CHECK_THROWS_WITH(make_partition(*c.reader, {2, PartitionMethod::kBlocks, {1, 1, -1, 1}, 1, 0}, kSilent), Catch::StartsWith("weight: "));
   CHECK_THROWS_WITH(make_partition(*c.reader, {2, PartitionMethod::kBlocks, {1, 1}, 1, 0}, kSilent), Catch::StartsWith("weight: "));
+  CHECK_THROWS_WITH(make_partition(*c.reader, {2, PartitionMethod::kBlocks, {0, 0, 0, 0}, 1, 0}, kSilent),
+                    Catch::StartsWith("weight: expected work in some cell"));
   CHECK_THROWS_WITH(make_partition(*c.reader, {2, PartitionMethod::kBlocks, ones, INT64_MAX, 0}, kSilent), Catch::StartsWith("align: "));
   CHECK_THROWS_WITH(make_partition(*c.reader, {2, PartitionMethod::kBlocks, ones, 1, INT64_MAX}, kSilent), Catch::StartsWith("halo: "));
   store_cells(c.folder / "cube.tcell", metadata_of(cube_grid_of(0, 1, 64), 0, 2), std::vector<Label>(64 * 64 * 64, 0));
@@ -159,10 +191,7 @@ TEST_CASE("More ranks than cells, and options out of range, are refused") {
   }
   // Every cell a rank of its own.
   const int64_t cells = static_cast<int64_t>(c.cells.size());
-  for (const double weight : {0., 1.}) {
-    const Partition p = make_partition(*c.reader, {cells, PartitionMethod::kBlocks, std::vector<double>(4, weight), 1, 0}, kSilent);
-    for (const Part& part : p.parts) REQUIRE(part.weight == weight);
-  }
+  for (const Part& part : make_partition(*c.reader, {cells, PartitionMethod::kBlocks, ones, 1, 0}, kSilent).parts) REQUIRE(part.weight == 1);
   CHECK_THROWS_WITH(make_partition(*c.reader, {cells + 1, PartitionMethod::kBlocks, ones, 1, 0}, kSilent), Catch::StartsWith("ranks: "));
 }
 

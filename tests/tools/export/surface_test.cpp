@@ -1,3 +1,4 @@
+#include "tools/export/faces/surface.hpp"
 #include "store/base/error.hpp"
 #include "tests/support/meshed.hpp"
 #include "tests/support/stored.hpp"
@@ -343,6 +344,26 @@ TEST_CASE("A smoothed surface is the same whether or not it lies on the seams of
     return out;
   };
   CHECK((corners(0) == corners(kShift)));
+}
+
+TEST_CASE("A surface that a format has no room for is refused by its runs alone, or while it is counted", "[export][surface]") {
+  for (uint64_t seed = 0; seed < rounds(6); ++seed) {
+    const Index3 n{20, 17, 23};
+    const SurfaceOf s(unit_grid(n), noise(n, seed));
+    std::vector<double> shares;
+    const Export e{*s.reader, 0, s.reader->meta().grid.box(0), s.folder / "s.ply", [&](double share) { shares.push_back(share); }};
+    const faces::Surface all(e, {0, 1}, {"ply", UINT64_MAX, UINT64_MAX, ""});
+    const uint64_t least = faces::least_vertices(e, {false, true, true, true});
+    CHECK(least > 0);
+    CHECK(least <= all.vertices());
+    CHECK(2 * least <= all.facets());
+    CHECK_NOTHROW(faces::Surface(e, {0, 1}, {"ply", all.vertices(), all.facets(), ""}));
+    shares.clear();
+    CHECK_THROWS_WITH(faces::Surface(e, {0, 1}, {"ply", least - 1, UINT64_MAX, "stl"}),
+                      fmt::format("--format: ply has at most {} vertices, this surface has {} at least: take stl", least - 1, least));
+    CHECK(std::ranges::max(shares) == 0);
+    CHECK_THROWS_WITH(faces::Surface(e, {0, 1}, {"stl", UINT64_MAX, all.facets() - 1, "ply"}), Catch::StartsWith("--format: stl has at most"));
+  }
 }
 
 TEST_CASE("Surfaces that can't be are refused", "[export][surface]") {

@@ -1,7 +1,7 @@
 // teracell pack: the same cells laid out for reading from far away.
-
 #include "store/whole/pack.hpp"
-#include "store/base/error.hpp"
+#include "store/base/output_file.hpp"
+#include "store/check/kept.hpp"
 #include "tools/cli/command.hpp"
 #include "tools/cli/progress.hpp"
 
@@ -15,12 +15,23 @@ struct PackArguments {
   int threads = 0;
 };
 
+// What was found in the cells goes with them.
+void keep_findings(const PackArguments& o) {
+  std::string found = read_kept_findings(o.grid.name, GridReader(o.output));
+  if (found.empty()) return;
+  found += '\n';
+  OutputFile file(kept_findings(o.output));
+  file.append({reinterpret_cast<const uint8_t*>(found.data()), found.size()});
+  file.commit();
+}
+
 void run(const PackArguments& o) {
   refuse_overwriting({o.grid.name}, o.output);
   const GridReader reader = open_grid(o.grid);
   const Wanted wanted = until_interrupted(o.output);
   ProgressLine line(o.progress, "");
   pack(reader, o.output, {!o.smaller, threads_or_all(o.threads)}, [&](double share) { line("pack", share); });
+  if (!is_address(o.grid.name)) keep_findings(o);
 }
 
 }  // namespace
@@ -34,7 +45,7 @@ Run setup_pack(CLI::App& app) {
   add_progress(app, o->progress);
   app.footer(
       "The cells stay the same. What leads to them lies at the end of the file, and neighbours lie together, so a viewer far away needs few\n"
-      "requests. Offsets change, and so does the content's hash. Example:\n  teracell pack g.tcell -o packed.tcell");
+      "requests. Offsets change, and so does the content's hash; what `teracell check` has found goes with the cells. Example:\n  teracell pack g.tcell -o packed.tcell");
   return [o] { run(*o); };
 }
 

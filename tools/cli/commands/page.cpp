@@ -15,7 +15,7 @@ namespace teracell::cli {
 namespace {
 
 struct PageArguments {
-  std::vector<std::string> grids, beside;
+  std::vector<std::string> grids;
   SourceOptions source;
   std::string output, progress = "auto";
 };
@@ -25,14 +25,12 @@ void run(const PageArguments& o) {
   if (is_address(o.output)) throw UsageError(fmt::format("{}: expected a folder or a file of this machine, found an address", o.output));
   const std::string ending = CLI::detail::to_lower(std::filesystem::path(o.output).extension().string());
   const bool whole = ending == ".html" || ending == ".htm";
-  std::vector<std::string> names = o.grids;
-  names.insert(names.end(), o.beside.begin(), o.beside.end());
-  if (whole && names.empty()) throw UsageError("page: expected the grids that are to be in the page: teracell page g.tcell -o g.html");
-  if (whole) refuse_overwriting(names, o.output);
+  if (whole && o.grids.empty()) throw UsageError("page: expected the grids that are to be in the page: teracell page g.tcell -o g.html");
+  if (whole) refuse_overwriting(o.grids, o.output);
 
   std::deque<GridReader> readers;  // a file that is no grid is refused
   std::vector<server::PageGrid> grids;
-  for (const std::string& name : names) {
+  for (const std::string& name : o.grids) {
     const std::string path = is_address(name) ? name.substr(0, name.find_first_of("?#")) : name,
                       file = std::filesystem::path(path).filename().string();
     if (!whole && is_address(name)) {
@@ -43,8 +41,7 @@ void run(const PageArguments& o) {
       grids.push_back({file, name, nullptr});
     } else {
       readers.emplace_back(open_source(name, o.source));
-      grids.push_back(
-          {file, "", &readers.back().source(), is_address(name) ? "" : read_kept_findings(name, readers.back().hash()), readers.back().hash()});
+      grids.push_back({file, "", &readers.back().source(), is_address(name) ? "" : read_kept_findings(name, readers.back()), readers.back().hash()});
     }
   }
   const Wanted wanted = until_interrupted(o.output, whole ? "nothing was written" : "its index.html stays as it was, other files may be new");
@@ -58,8 +55,8 @@ void run(const PageArguments& o) {
 
 Run setup_page(CLI::App& app) {
   const auto o = std::make_shared<PageArguments>();
-  app.add_option("grids", o->grids, ".tcell files, or addresses (https://..., s3://...)");
-  app.add_option("--grids", o->beside, "the same; for a folder, files are copied beside the page and https addresses are listed");
+  app.add_option("grid,--grids", o->grids,
+                 ".tcell files, or addresses (https://..., s3://...); in a folder, files are copied and https addresses are listed");
   app.add_option("-o,--output", o->output, "a folder for the files of the page, or one file if the name ends with .html or .htm")->required();
   add_source_options(app, o->source);
   add_progress(app, o->progress);

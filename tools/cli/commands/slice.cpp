@@ -1,9 +1,11 @@
 // teracell slice: one slice as a picture or an array.
+#include <cmath>
 #include <optional>
 
 #include <fmt/format.h>
 
 #include "server/picture/picture.hpp"
+#include "server/picture/to_scale.hpp"
 #include "store/base/error.hpp"
 #include "store/base/output_file.hpp"
 #include "store/text/npy_header.hpp"
@@ -12,11 +14,15 @@
 namespace teracell::cli {
 namespace {
 
+constexpr int64_t kLongerSide = 1024, kLongestSide = 1 << 20;  // pixels of a picture to scale
+
 struct SliceArguments {
   GridArgument grid;
   std::string output, axis, region;
   std::optional<int64_t> index;
   std::optional<double> at;
+  bool to_scale = false;
+  std::optional<int64_t> pixels;
   int level = 0, threads = 0;
 };
 
@@ -44,14 +50,44 @@ SliceView view_of(const SliceArguments& o, const Metadata& meta) {
   return view;
 }
 
+// The columns and the rows of the picture: which cell each shows, from the lowest. None: it has a pixel per cell.
+struct Pixels {
+  std::vector<int64_t> u, v;
+};
+
+Pixels pixels_of(const SliceArguments& o, const SliceView& view, const Grid& grid) {
+  if (!o.to_scale) return {};
+  const RayFrame frame = RayFrame::along(view.axis);
+  const Axis &u = grid.axis[frame.u], &v = grid.axis[frame.v];
+  const double shape = server::length_of(v, view.level, view.v0, view.v1) / server::length_of(u, view.level, view.u0, view.u1);
+  const bool upright = !o.pixels && shape > 1;
+  const int64_t width = upright ? std::max<int64_t>(1, std::llround(kLongerSide / shape)) : o.pixels.value_or(kLongerSide);
+  const double height = upright ? kLongerSide : std::max(1.0, std::round(static_cast<double>(width) * shape));
+  if (width < 1 || width > kLongestSide || height > kLongestSide)
+    throw UsageError(
+        fmt::format("--pixels: expected 1 to {0}, with which the picture is no higher than {0}, found {1}, with which it is {2:.0f} high",
+                    kLongestSide, width, height));
+  return {server::cells_to_scale(u, view.level, view.u0, view.u1, width),
+          server::cells_to_scale(v, view.level, view.v0, view.v1, static_cast<int64_t>(height))};
+}
+
 void write_png(const GridReader& reader, const SliceView& view, const SliceArguments& o, OutputFile& file) {
-  const int64_t width = view.u1 - view.u0, height = view.v1 - view.v0;
+  const Pixels pixels = pixels_of(o, view, reader.meta().grid);
+  const int64_t width = o.to_scale ? std::ssize(pixels.u) : view.u1 - view.u0, height = o.to_scale ? std::ssize(pixels.v) : view.v1 - view.v0;
   server::SetColors colors(reader.meta(), view.level);
   server::PngWriter png(static_cast<uint32_t>(width), static_cast<uint32_t>(height), colors,
                         [&](std::span<const uint8_t> bytes) { file.append(bytes); });
-  for_each_row(reader, view, colors.value(), true, threads_or_all(o.threads), [&](int64_t, std::span<const uint16_t> row) {
+  std::vector<uint16_t> line(pixels.u.size());
+  size_t column = 0, rows = pixels.v.size();  // the next one, and how many are left
+  int64_t u = view.u0;
+  for_each_row(reader, view, colors.value(), true, threads_or_all(o.threads), [&](int64_t v, std::span<const uint16_t> row) {
     Wanted::stop_if_not();
-    png.append(row);
+    if (!o.to_scale) return png.append(row);
+    for (; column < line.size() && pixels.u[column] < u + std::ssize(row); ++column) line[column] = row[static_cast<size_t>(pixels.u[column] - u)];
+    u += std::ssize(row);
+    if (u < view.u1) return;
+    for (; rows > 0 && pixels.v[rows - 1] == v; --rows) png.append(line);
+    u = view.u0, column = 0;
   });
   png.finish();
 }
@@ -73,6 +109,8 @@ void run(const SliceArguments& o) {
   const std::string extension = std::filesystem::path(o.output).extension();
   if (extension != ".png" && extension != ".npy")
     throw UsageError(fmt::format("--output: expected a name that ends in .png or .npy, found '{}'", o.output));
+  if (o.to_scale && extension == ".npy") throw UsageError("--true: expected a picture, found an array: its cells have no widths");
+  if (o.pixels && !o.to_scale) throw UsageError("--pixels: expected --true too: other pictures have a pixel per cell");
   refuse_overwriting({o.grid.name}, o.output);
   const GridReader reader = open_grid(o.grid);
   const SliceView view = view_of(o, reader.meta());
@@ -94,6 +132,8 @@ Run setup_slice(CLI::App& app) {
   app.add_option("-o,--output", o->output, "a .png (v points up) or an .npy (material ids, shape [v][u], row 0 is v = 0)")->required();
   app.add_option("--level", o->level, "the level of the pyramid: its cells are 2^level times as wide (default 0)");
   app.add_option("--region", o->region, "U0,V0,U1,V1: half open, in cells of the level; z-slices have u = x, v = y; y-slices x, z; x-slices y, z");
+  app.add_flag("--true", o->to_scale, "a picture to scale, where an axis is graded; otherwise a pixel is a cell");
+  app.add_option("--pixels", o->pixels, fmt::format("its width (default: its longer side has {})", kLongerSide));
   add_threads(app, o->threads);
   app.footer("Examples:\n  teracell slice g.tcell --axis z --index 500 -o z.png\n  teracell slice g.tcell --axis x --at 12.5 --level 2 -o x.npy");
   return [o] { run(*o); };

@@ -31,10 +31,7 @@ std::string header_of(const Export& e, const Surface& surface) {
 
 void write_ply(const Export& e) {
   OutputFile file(e.output);
-  Surface surface(e, {0, 0.3});
-  if (surface.vertices() > UINT32_MAX)
-    throw UsageError(fmt::format("--format: ply numbers at most {} vertices, this surface has {}: take a coarser --level or a --region", UINT32_MAX,
-                                 surface.vertices()));
+  Surface surface(e, {0, 0.3}, {"ply", UINT32_MAX, UINT64_MAX, "a coarser --level or a --region"});
   const std::string header = header_of(e, surface);
   Bytes bytes(header.begin(), header.end());
   const auto append = [&](size_t at_least) {

@@ -45,10 +45,7 @@ Vec3 normal_of(const Vec3& a, const Vec3& b, const Vec3& c) {
 void write_stl(const Export& e) {
   expect_distinct_planes(e);
   OutputFile file(e.output);
-  Surface surface(e, {0, 0.4});
-  if (surface.facets() > UINT32_MAX)
-    throw UsageError(fmt::format("--format: stl has at most {} facets, this surface has {}: take ply, a coarser --level or a --region", UINT32_MAX,
-                                 surface.facets()));
+  Surface surface(e, {0, 0.4}, {"stl", UINT64_MAX, UINT32_MAX, "ply, a coarser --level or a --region"});
   std::string header = fmt::format("teracell: boundary of cells, lengths in {}", e.reader.meta().units);
   header.resize(80, ' ');
   Bytes bytes(header.begin(), header.end());

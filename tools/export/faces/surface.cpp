@@ -6,7 +6,9 @@
 #include <fmt/format.h>
 
 #include "store/base/error.hpp"
+#include "store/grid/set_memo.hpp"
 #include "store/read/query.hpp"
+#include "store/runs/chunk_parts.hpp"
 #include "tools/export/place.hpp"
 
 namespace teracell::exports::faces {
@@ -95,13 +97,52 @@ auto order(const Index3& block) { return std::tuple(block[2], block[1], block[0]
 
 }  // namespace
 
-Surface::Surface(const Export& e, Leg leg)
-    : e_(e), chosen_(chosen_materials(e)), rounds_(rounds_of_smoothing(e)), material_(strongest_material(e.reader.meta())) {
+uint64_t least_vertices(const Export& e, const std::vector<bool>& chosen) {
+  const LevelShape shape = e.reader.shape(e.level);
+  const SetValue material = strongest_material(e.reader.meta());
+  const RayFrame frame = e.reader.meta().frame();
+  uint64_t out = 0;
+  Chunk chunk;
+  for_each_part(shape, RayBox(e.box, frame), [&](const ChunkPart& p) {
+    e.progress(0);
+    const bool first = p.first_w + p.w0 == e.box.lo[frame.w], last = p.first_w + p.w1 == e.box.hi[frame.w];
+    if (const auto entry = e.reader.entry(p.key); entry->size == 0) {
+      if (chosen[material(entry->uniform)]) out += uint64_t{p.u1 - p.u0} * (p.v1 - p.v0) * (first + last);
+      return;
+    }
+    e.reader.read(p.key, chunk);
+    SetMemo<bool> known;
+    bool before = false;
+    for_each_part_run(chunk.rays, p, [&](uint32_t, uint32_t, uint32_t from, uint32_t to, SetId set) {
+      const bool in = known.get(set, [&] { return chosen[material(chunk.sets.members(set))]; });
+      out += from == p.w0 ? first && in : in != before;
+      out += to == p.w1 && last && in;
+      before = in;
+    });
+  });
+  return out;
+}
+
+Surface::Surface(const Export& e, Leg leg, const Room& room)
+    : e_(e), room_(room), chosen_(chosen_materials(e)), rounds_(rounds_of_smoothing(e)), material_(strongest_material(e.reader.meta())) {
+  double corners = 1;  // of all cells
+  for (int d = 0; d < 3; ++d) corners *= static_cast<double>(e.box.hi[d] - e.box.lo[d] + 1);
+  if (corners > static_cast<double>(std::min(room.vertices, room.facets / 2))) {
+    const uint64_t least = least_vertices(e, chosen_);
+    expect_room(least, 2 * least);
+  }
   find_blocks(leg);
   if (facets_ > 0) return;
   const std::string names = quoted_names(e.reader.meta().materials, chosen_);
   throw UsageError(fmt::format("the surface would have no facet: expected cells of {} in the box, found none; --material chooses other materials",
                                names.empty() ? "a material beside the background" : names));
+}
+
+void Surface::expect_room(uint64_t vertices, uint64_t facets) const {
+  const bool few = vertices <= room_.vertices;
+  if (few && facets <= room_.facets) return;
+  throw UsageError(fmt::format("--format: {} has at most {} {}, this surface has {} at least: take {}", room_.format,
+                               few ? room_.facets : room_.vertices, few ? "facets" : "vertices", few ? facets : vertices, room_.advice));
 }
 
 // Blocks hold cells and the corners below them. The corners of the last cells' upper sides are those of cells one beyond.
@@ -173,6 +214,7 @@ void Surface::count(const Index3& at) {
   blocks_.push_back(block);
   vertices_ += block.group.back();
   facets_ += facets;
+  expect_room(vertices_, facets_);
 }
 
 Planes Surface::planes() const {

@@ -27,10 +27,18 @@ struct Leg {
   double from, to;
 };
 
+// What a format has room for.
+struct Room {
+  const char* format;
+  uint64_t vertices, facets;
+  const char* advice;  // what to take when that is too little
+};
+
 class Surface {
  public:
-  // Finds the blocks and counts vertices and facets. Throws UsageError when an option is wrong or there is no facet.
-  Surface(const Export& e, Leg leg);
+  // Finds the blocks and counts vertices and facets. Throws UsageError when an option is wrong, there is no facet, or there are more vertices or
+  // facets than there is room for: of much larger surfaces the runs tell that at once.
+  Surface(const Export& e, Leg leg, const Room& room);
   uint64_t vertices() const { return vertices_; }
   uint64_t facets() const { return facets_; }
 
@@ -48,6 +56,7 @@ class Surface {
 
  private:
   Box box_of(const Index3& block) const;
+  void expect_room(uint64_t vertices, uint64_t facets) const;
   void find_blocks(Leg leg);
   void read(const Box& box, int64_t margin);
   void count(const Index3& block);
@@ -56,6 +65,7 @@ class Surface {
   std::vector<uint64_t> numbers_of(const Block& block) const;
 
   const Export& e_;
+  const Room room_;
   const std::vector<bool> chosen_;  // by material
   const int rounds_;                // of smoothing
   const SetValue material_;
@@ -64,6 +74,10 @@ class Surface {
   std::vector<Block> blocks_;
   uint64_t vertices_ = 0, facets_ = 0;
 };
+
+// The number of facets' squares across the rays, or less where chunks meet. The surface has as many vertices at least, since no more than four of
+// them share a corner, and twice as many facets.
+uint64_t least_vertices(const Export& e, const std::vector<bool>& chosen);
 
 // Appends a number as bytes, in the order of memory: little endian, like every machine this runs on.
 template <class T>

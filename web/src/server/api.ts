@@ -129,7 +129,7 @@ export const get_json = async <T>(path: string, signal?: AbortSignal): Promise<T
 export const list_grids = (signal?: AbortSignal) => get_json<{ grids: GridSummary[]; unreadable: UnreadableFile[] }>("api/v1/grids", signal);
 export const grid_info = (id: string, signal?: AbortSignal) => get_json<GridInfo>(`api/v1/grids/${encodeURIComponent(id)}`, signal);
 
-// What `teracell check` has found; null when nobody has looked through this version of the grid.
+// What `teracell check` has found; null when nobody has looked through the cells of the grid.
 export async function grid_findings(id: string, signal: AbortSignal): Promise<Findings | null> {
   const { grids } = await list_grids(signal);
   return grids.find((grid) => grid.id === id)?.checked ? checked_findings(id, signal) : null;
