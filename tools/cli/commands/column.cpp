@@ -62,7 +62,8 @@ Run setup_column(CLI::App& app) {
   app.add_option("--at", o->at, "I,J: the cells on the other two axes: x,y for a column along z, x,z along y, y,z along x");
   app.add_option("--place", o->place, "X,Y: coordinates on these two axes instead");
   app.add_flag("--json", o->json, "as JSON");
-  app.footer("Runs are half open: [from, to). Example:\n  teracell column g.tcell --axis z --at 100,200\n  teracell column g.tcell --axis z --place 12.5,-3");
+  app.footer(
+      "Runs are half open: [from, to). Example:\n  teracell column g.tcell --axis z --at 100,200\n  teracell column g.tcell --axis z --place 12.5,-3");
   return [o] { run(*o); };
 }
 

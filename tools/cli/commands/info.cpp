@@ -47,7 +47,8 @@ void print_holes(const std::vector<HoleReport>& holes, const std::string& units)
                        place_text(h.at), counted(h.edges, "edge"), h.extruded ? "extruded, floor of" : "cap of", number_text(h.cap_area, 4), units));
   }
   if (sorted.size() > kShown)
-    detail("", fmt::format("and {} more, none wider than {} {}", fmt::group_digits(sorted.size() - kShown), number_text(sorted[kShown].diameter, 4), units));
+    detail("", fmt::format("and {} more, none wider than {} {}", fmt::group_digits(sorted.size() - kShown), number_text(sorted[kShown].diameter, 4),
+                           units));
 }
 
 void print_seams(const BodyReport& body, const std::string& units) {
@@ -74,13 +75,15 @@ void print_rules(const std::vector<FillChoice>& fill) {
     const char* where = f.rule == Fill::kEvenodd    ? "a ray out passes the surface an odd number of times"
                         : f.rule == Fill::kDistinct ? "a ray out passes an odd number of places, each counted once however many facets lie there"
                                                     : "the surface winds around";
-    detail(std::exchange(title, ""), fmt::format("of {}: where {} ({}: {})", counted(f.shells.value_or(0), "shell"), where, fill_name(f.rule), f.why));
+    detail(std::exchange(title, ""),
+           fmt::format("of {}: where {} ({}: {})", counted(f.shells.value_or(0), "shell"), where, fill_name(f.rule), f.why));
   }
 }
 
 // "12, the widest 0.0312 mm at (...)"
 std::string lost_text(const LostReport& lost, const std::string& units) {
-  return fmt::format("{}, the widest {} {} at {}", fmt::group_digits(lost.number), number_text(lost.widest, 4), units, place_text(lost.at.value_or(Vec3{})));
+  return fmt::format("{}, the widest {} {} at {}", fmt::group_digits(lost.number), number_text(lost.widest, 4), units,
+                     place_text(lost.at.value_or(Vec3{})));
 }
 
 // Prints which parts of a body lie between sample points. Files of version 1.0 may say nothing about that.
@@ -144,7 +147,8 @@ void print_patches(const Metadata& meta) {
   for (size_t i = 0; i < shown; ++i)
     row(std::exchange(title, ""), fmt::format("{:<{}}  {} {}²", patches[i]->name, width, number_text(patches[i]->area, 4), meta.units));
   if (patches.size() > shown)
-    row("", fmt::format("and {} more, none larger than {} {}²", fmt::group_digits(patches.size() - shown), number_text(patches[shown]->area, 4), meta.units));
+    row("", fmt::format("and {} more, none larger than {} {}²", fmt::group_digits(patches.size() - shown), number_text(patches[shown]->area, 4),
+                        meta.units));
 }
 
 // What the file holds beside the cells.
@@ -166,17 +170,18 @@ void print(const GridReader& reader) {
   const double cells = static_cast<double>(n[0]) * static_cast<double>(n[1]) * static_cast<double>(n[2]);
   const auto size = static_cast<double>(reader.file_bytes());
   row("file", fmt::format("{}, {}, content {}", reader.name(), bytes_text(size), reader.hash()));
-  row("cells",
-      cells_text(n) + (cells < 1e9 ? "" : fmt::format(" ({})", number_text(cells, 3))));
+  row("cells", cells_text(n) + (cells < 1e9 ? "" : fmt::format(" ({})", number_text(cells, 3))));
   for (int d = 0; d < 3; ++d) {
     const Axis& a = meta.grid.axis[d];
     row(d == 0 ? "domain" : "", fmt::format("{}  {:.8g} to {:.8g} {}, {}", axis_name(d), a.min(), a.max(), meta.units,
                                             a.is_graded() ? "graded" : fmt::format("cells of {:.6g} {}", a.step(), meta.units)));
   }
-  row("rays", fmt::format("along {}, {} facet crossings, {:.2f} bits per crossing on level 0", axis_name(meta.ray_axis), fmt::group_digits(meta.crossings),
-                          bits_per_crossing(meta)));
+  row("rays", fmt::format("along {}, {} facet crossings, {:.2f} bits per crossing on level 0", axis_name(meta.ray_axis),
+                          fmt::group_digits(meta.crossings), bits_per_crossing(meta)));
   row("dense",
-      fmt::format("one byte per cell would take {}{}", bytes_text(cells), cells < size ? "" : fmt::format(", {} times as much", fmt::group_digits(static_cast<unsigned __int128>(std::round(cells / size))))));
+      fmt::format(
+          "one byte per cell would take {}{}", bytes_text(cells),
+          cells < size ? "" : fmt::format(", {} times as much", fmt::group_digits(static_cast<unsigned __int128>(std::round(cells / size))))));
   size_t width = 0;
   for (const MaterialInfo& m : meta.materials) width = std::max(width, m.name.size());
   for (size_t i = 0; i < meta.materials.size(); ++i)
@@ -185,7 +190,8 @@ void print(const GridReader& reader) {
   for (int level = 0; level < reader.levels(); ++level) {
     std::string how = "derived when read";
     for (const LevelInfo& l : meta.levels())
-      if (l.level == level) how = fmt::format("{:>9} {:<6} {:>10}", fmt::group_digits(l.chunks), l.chunks == 1 ? "chunk" : "chunks", bytes_text(l.bytes));
+      if (l.level == level)
+        how = fmt::format("{:>9} {:<6} {:>10}", fmt::group_digits(l.chunks), l.chunks == 1 ? "chunk" : "chunks", bytes_text(l.bytes));
     row(level == 0 ? "levels" : "", fmt::format("{:>3}  {:<24} {}", level, size_text(meta.grid.cells(level)), how));
   }
   print_channels(meta);

@@ -41,8 +41,8 @@ std::string overlaps_text(const Report& report) {
   if (!report.overlaps || report.overlaps->list.empty()) return "";
   const OverlapReport& most = report.overlaps->list[0];
   const uint64_t more = report.overlaps->pairs - 1;
-  return fmt::format("{} and {} have {} cell{} in common, {}{}", most.bodies[0], most.bodies[1], fmt::group_digits(most.cells), most.cells == 1 ? "" : "s",
-                     most.owner ? "owned by " + *most.owner : "some of them owned by a third body",
+  return fmt::format("{} and {} have {} cell{} in common, {}{}", most.bodies[0], most.bodies[1], fmt::group_digits(most.cells),
+                     most.cells == 1 ? "" : "s", most.owner ? "owned by " + *most.owner : "some of them owned by a third body",
                      more == 0 ? "" : fmt::format("; {} overlap{} too", plural(more, "more pair"), more == 1 ? "s" : ""));
 }
 

@@ -58,8 +58,9 @@ Pixels pixels_of(const SliceArguments& o, const SliceView& view, const Grid& gri
   const int64_t width = o.pixels.value_or(shape > 1 ? std::max<int64_t>(1, std::llround(kLongerSide / shape)) : kLongerSide);
   const double height = std::max(1.0, std::round(static_cast<double>(width) * shape));
   if (width < 1 || width > kLongestSide || height > kLongestSide)
-    throw UsageError(fmt::format("--pixels: expected 1 to {0}, with which the picture is no higher than {0}, found {1}, with which it is {2:.0f} high",
-                                 kLongestSide, width, height));
+    throw UsageError(
+        fmt::format("--pixels: expected 1 to {0}, with which the picture is no higher than {0}, found {1}, with which it is {2:.0f} high",
+                    kLongestSide, width, height));
   return {server::cells_to_scale(u, view.level, view.u0, view.u1, width),
           server::cells_to_scale(v, view.level, view.v0, view.v1, static_cast<int64_t>(height))};
 }
