@@ -150,7 +150,8 @@ Matrix rotation(const Vec3& axis, double degrees) {
 
 std::string mesh_shown(const std::filesystem::path& mesh, const std::filesystem::path& folder) {
   if (!mesh.is_absolute()) return mesh.string();
-  const std::filesystem::path within = mesh.lexically_normal().lexically_relative(std::filesystem::absolute(folder).lexically_normal());
+  const std::filesystem::path home = std::filesystem::absolute(folder.empty() ? "." : folder);
+  const std::filesystem::path within = mesh.lexically_normal().lexically_relative(home.lexically_normal());
   return (within.empty() || *within.begin() == ".." ? mesh.filename() : within).string();
 }
 
