@@ -88,8 +88,12 @@ void parse_axis(const JsonNode& node, const fs::path& folder, SceneAxis& axis) {
   node.check_keys({"planes", "planes_file", "min", "max", "cells", "step"});
   const std::optional<JsonNode> planes = node.find("planes"), file = node.find("planes_file");
   if (planes || file) {
+    std::vector<std::string> others;
     for (const char* key : {"min", "max", "cells", "step", planes ? "planes_file" : "planes"})
-      if (node.find(key)) throw UsageError(fmt::format("{}: {} and \"{}\" exclude each other", node.where(), planes ? "planes" : "planes_file", key));
+      if (node.find(key)) others.push_back(fmt::format("\"{}\"", key));
+    if (!others.empty())
+      throw UsageError(fmt::format("{}: \"{}\" says where all cells of an axis are: take away {}", node.where(), planes ? "planes" : "planes_file",
+                                   fmt::join(others, ", ")));
     axis = {};
     if (file) {
       axis.planes_file = folder / file->text();
@@ -261,8 +265,8 @@ SceneBody parse_body(const JsonNode& node, const MaterialIds& ids, const fs::pat
   node.check_keys({"name", "mesh", "part", "material", "priority", "fill", "closing", "stitch", "kind", "thin", "patches", "matrix", "scale",
                    "rotate", "translate"});
   SceneBody body;
-  body.mesh_text = node.require("mesh").text();
-  body.mesh = folder / body.mesh_text;
+  body.mesh = folder / node.require("mesh").text();
+  body.mesh_text = mesh_shown(node.require("mesh").text(), folder);
   body.material = material_id(node.require("material"), ids);
   if (const auto n = node.find("name")) {
     body.name = n->text();

@@ -148,6 +148,13 @@ Matrix rotation(const Vec3& axis, double degrees) {
   return m;
 }
 
+std::string mesh_shown(const std::filesystem::path& mesh, const std::filesystem::path& folder) {
+  if (!mesh.is_absolute()) return mesh.string();
+  const std::filesystem::path home = std::filesystem::absolute(folder.empty() ? "." : folder);
+  const std::filesystem::path within = mesh.lexically_normal().lexically_relative(home.lexically_normal());
+  return (within.empty() || *within.begin() == ".." ? mesh.filename() : within).string();
+}
+
 Scene bare_scene(const std::vector<std::filesystem::path>& meshes) {
   if (meshes.size() > kMaxMaterials)
     throw UsageError(
@@ -162,7 +169,7 @@ Scene bare_scene(const std::vector<std::filesystem::path>& meshes) {
     SceneBody body;
     body.name = names.numbered(mesh_stem(path));
     body.mesh = path;
-    body.mesh_text = printable(path.string());
+    body.mesh_text = printable(mesh_shown(path, {}));
     body.material = id;
     scene.materials.push_back({body.name, palette_color(id)});
     scene.bodies.push_back(std::move(body));

@@ -44,7 +44,7 @@ struct SceneMaterial {
 struct SceneBody {
   std::string name;
   std::filesystem::path mesh;  // resolved against the scene file's folder
-  std::string mesh_text;       // as written in the scene, which is what the report shows
+  std::string mesh_text;       // what the report shows: mesh_shown()
   std::string part;            // a glob; empty: all parts
   uint32_t material = 1;       // index into Scene::materials (0 is the background)
   int64_t priority = 0;
@@ -99,6 +99,9 @@ std::optional<Closing> parse_closing(std::string_view text);
 // scene or its planes_file can't be read, and InputError, with the line, when the planes_file is wrong.
 Scene read_scene(const std::filesystem::path& path);
 Scene parse_scene(const std::string& json_text, const std::filesystem::path& folder);
+
+// A mesh as others may see it: as the scene names it, but of an absolute path what comes after the scene's folder, or the file's name alone.
+std::string mesh_shown(const std::filesystem::path& mesh, const std::filesystem::path& folder);
 
 // One body per file, in the order given. Body and material are named after the file, with a number when the name repeats
 // ("hull", "hull-2").

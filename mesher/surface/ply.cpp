@@ -143,10 +143,10 @@ class AsciiValues {
             fmt::format("{}: cut short: expected {} {} of {}, found the end of the file", input_.at_line(), element.name, row, element.count));
     } while (trimmed(line_).empty());
   }
+  // MeshLab has written rows with more values than it declares.
   void end_row(const Element& element) {
-    const std::string_view word = next_word(line_);
-    if (!word.empty())
-      throw InputError(fmt::format("{}: expected no more values for this {}, found {}", input_.at_line(), element.name, shown(word)));
+    if (next_word(line_).empty()) return;
+    if (rows_too_long_++ == 0) first_too_long_ = fmt::format("line {}, of {}", input_.line(), element.name);
   }
   double coordinate(Type type) {
     if (is_integer(type)) return static_cast<double>(integer(type));
@@ -162,7 +162,10 @@ class AsciiValues {
     for (; values > 0; --values)
       if (next_word(line_).empty()) refuse_number({}, "a value", input_);
   }
-  void finish() {
+  void finish(FacetStream& out) {
+    if (rows_too_long_ > 0)
+      out.warn(fmt::format("{} than the header declares, the first in {}: these values were left out.",
+                           rows_too_long_ == 1 ? "1 row has more values" : fmt::format("{} rows have more values", rows_too_long_), first_too_long_));
     while (input_.next_line(line_))
       if (!trimmed(line_).empty()) throw InputError(fmt::format("{}: expected the end of the file, found {}", input_.at_line(), shown(line_)));
   }
@@ -171,6 +174,8 @@ class AsciiValues {
  private:
   Input& input_;
   std::string_view line_;
+  uint64_t rows_too_long_ = 0;
+  std::string first_too_long_;
 };
 
 template <std::endian kOrder>
@@ -207,7 +212,7 @@ class BinaryValues {
       left -= here;
     }
   }
-  void finish() {
+  void finish(FacetStream&) {
     if (!input_.window(1).empty())
       throw InputError(fmt::format("{}: expected the end of the file after the last element, found more bytes", input_.at_byte()));
   }
@@ -369,7 +374,7 @@ void read_body(Values values, const Header& header, const Layout& layout, FacetS
       values.end_row(element);
     }
   }
-  values.finish();
+  values.finish(out);
 }
 
 Match recognises_ply(const Head& head) {

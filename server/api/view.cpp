@@ -22,7 +22,7 @@ RenderOptions options_of(const ServedGrid& grid, const Target& target, std::init
   for (const RenderOption& option : render_options()) known.push_back(option.name);
   known.insert(known.end(), more);
   target.allow(known);
-  return parse_render_options([&](std::string_view name) { return target.find(name); }, grid.meta(), "");
+  return parse_render_options([&](std::string_view name) { return target.find(name); }, grid.reader(), "");
 }
 
 std::shared_ptr<const Prepared> prepared_for(const GridRequest& r, const RenderOptions& options) {

@@ -57,9 +57,13 @@ Camera perspective_camera(const Vec3& from, const Vec3& at, int up, double fov, 
   return camera;
 }
 
-DefaultView default_view(const Grid& grid) {
+DefaultView default_view(const Grid& grid, const Box& cells) {
   Vec3 extent, centre;
-  for (int d = 0; d < 3; ++d) extent[d] = length(grid.axis[d]), centre[d] = middle(grid.axis[d]);
+  for (int d = 0; d < 3; ++d) {
+    const double lo = grid.axis[d].plane(cells.lo[d]);
+    extent[d] = grid.axis[d].plane(cells.hi[d]) - lo;
+    centre[d] = lo + extent[d] / 2;
+  }
   return {centre + Vec3{1, -1.4, 0.9} * norm(extent), centre};
 }
 

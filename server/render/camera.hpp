@@ -33,11 +33,11 @@ struct Camera {
 // `fov`: degrees, from the lower to the upper side of the picture. Throws UsageError unless `from` and `at` differ, and 0 < fov < 180.
 // Where the view is along `up`, another axis is up.
 Camera perspective_camera(const Vec3& from, const Vec3& at, int up, double fov, PictureSize size);
-// The middle of the grid, and an eye (1, -1.4, 0.9) times its diagonal away from it: at 30 degrees all of the grid is in the picture.
+// The middle of a box of cells, and an eye (1, -1.4, 0.9) times its diagonal away from it: at 30 degrees all of the box is in the picture.
 struct DefaultView {
   Vec3 from, at;
 };
-DefaultView default_view(const Grid& grid);
+DefaultView default_view(const Grid& grid, const Box& cells);
 // Looks along +axis or -axis, without perspective. The grid is as large as it can be with all of it in the picture. z is up, or y where the view
 // is along z.
 Camera axis_camera(const Grid& grid, int axis, bool positive, PictureSize size);

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "store/base/error.hpp"
+#include "store/read/stats.hpp"
 #include "store/text/name_list.hpp"
 #include "store/text/words.hpp"
 
@@ -15,8 +16,9 @@ namespace teracell::server {
 namespace {
 
 constexpr RenderOption kOptions[] = {
-    {"from", "X,Y,Z", "where the eye is; default: from (1, -1.4, 0.9) times the grid's diagonal, seen from its middle"},
-    {"at", "X,Y,Z", "what it looks at; default: the middle of the grid"},
+    {"from", "X,Y,Z", "where the eye is; default: (1, -1.4, 0.9) times the diagonal of the box of what is shown, from its middle"},
+    {"at", "X,Y,Z", "what it looks at; default: the middle of this box"},
+    {"domain", "", "the box is the whole grid"},
     {"up", "AXIS", "x, y or z; default: z"},
     {"fov", "DEGREES", "the field of view from bottom to top; default: 30"},
     {"view", "DIRECTION", "x, y, z, -x, -y or -z: look along it, without perspective"},
@@ -34,17 +36,19 @@ constexpr RenderOption kOptions[] = {
 
 class Options {
  public:
-  Options(const OptionText& text, const Metadata& meta, std::string_view dashes) : text_(text), meta_(meta), dashes_(dashes) {}
+  Options(const OptionText& text, const GridReader& reader, std::string_view dashes)
+      : text_(text), reader_(reader), meta_(reader.meta()), dashes_(dashes) {}
 
   RenderOptions parse() const {
     RenderOptions out;
     const PictureSize size = picture_size();
-    out.aim.camera = camera(size);
+    out.shown = shown();
     if (const std::string* text = text_("level")) out.aim.level = level(*text);
+    const std::string* const domain = text_("domain");
+    out.aim.camera = camera(size, out, domain != nullptr && flag("domain", *domain));
     if (const std::string* text = text_("cut")) out.aim.cuts = cut(*text);
     if (const std::string* text = text_("open")) out.aim.cuts.push_back(corner(out.aim.camera, point("open", *text)));
     if (const std::string* text = text_("plane")) out.aim.cuts.push_back({plane(*text)});
-    out.shown = shown();
     if (const std::string* text = text_("background")) out.ground = color(*text);
     if (const std::string* text = text_("flat")) out.flat = flag("flat", *text);
     return out;
@@ -81,7 +85,20 @@ class Options {
     return {static_cast<uint32_t>((*n)[0]), static_cast<uint32_t>((*n)[1])};
   }
 
-  Camera camera(PictureSize size) const {
+  // The box around the cells of the level that are shown, in cells of level 0; all of the grid where none is shown.
+  Box box_shown(const RenderOptions& options) const {
+    const Box all = meta_.grid.box(0);
+    Box out = read_box_of(reader_, shown_labels(meta_, options));
+    if (out.empty()) return all;
+    const int level = options.aim.level.value_or(0);
+    for (size_t d = 0; d < 3; ++d) {
+      out.lo[d] = out.lo[d] >> level << level;
+      out.hi[d] = std::min(all.hi[d], ceil_shift(out.hi[d], level) << level);
+    }
+    return out;
+  }
+
+  Camera camera(PictureSize size, const RenderOptions& options, bool domain) const {
     if (const std::string* view = text_("view")) {
       for (const char* other : {"from", "at", "up", "fov"})
         if (text_(other)) throw UsageError(fmt::format("{0}view: expected alone, found with {0}{1}", dashes_, other));
@@ -101,8 +118,8 @@ class Options {
       fov = number("fov", *text, "degrees");
       if (!(fov >= 1e-6 && fov <= 179)) refuse("fov", "0.000001 to 179 degrees", *text);
     }
-    const DefaultView usual = default_view(meta_.grid);
     const std::string *from = text_("from"), *at = text_("at");
+    const DefaultView usual = from && at ? DefaultView{} : default_view(meta_.grid, domain ? meta_.grid.box(0) : box_shown(options));
     const Vec3 eye = from ? point("from", *from) : usual.from, target = at ? point("at", *at) : usual.at;
     if (eye == target)
       throw UsageError(fmt::format("{0}from, {0}at: expected two points, found ({1}, {2}, {3}) twice", dashes_, eye[0], eye[1], eye[2]));
@@ -217,6 +234,7 @@ class Options {
   }
 
   const OptionText& text_;
+  const GridReader& reader_;
   const Metadata& meta_;
   const std::string_view dashes_;
 };
@@ -225,8 +243,8 @@ class Options {
 
 std::span<const RenderOption> render_options() { return kOptions; }
 
-RenderOptions parse_render_options(const OptionText& text, const Metadata& meta, std::string_view dashes) {
-  return Options(text, meta, dashes).parse();
+RenderOptions parse_render_options(const OptionText& text, const GridReader& reader, std::string_view dashes) {
+  return Options(text, reader, dashes).parse();
 }
 
 }  // namespace teracell::server

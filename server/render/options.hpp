@@ -17,6 +17,6 @@ std::span<const RenderOption> render_options();
 // The text of an option, or null when it is not given. That of a flag is "" or "1".
 using OptionText = std::function<const std::string*(std::string_view name)>;
 // Throws UsageError, which calls an option by `dashes` and its name.
-RenderOptions parse_render_options(const OptionText& text, const Metadata& meta, std::string_view dashes);
+RenderOptions parse_render_options(const OptionText& text, const GridReader& reader, std::string_view dashes);
 
 }  // namespace teracell::server

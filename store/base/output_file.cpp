@@ -5,6 +5,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -53,6 +54,13 @@ void expect_file_name(const std::filesystem::path& target) {
     throw IoError(fmt::format("{}: expected the name of a file, found {}", target.string(), kind_of(found)));
   if (std::filesystem::read_symlink(target, ignored).string().starts_with("/proc/"))
     throw IoError(fmt::format("{}: expected the name of a file, found a link to what a process has open", target.string()));
+}
+
+bool left_behind(const std::filesystem::path& target) {
+  const path partial = target.string() + ".partial";
+  const Descriptor file(::open(partial.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK));
+  struct stat found;
+  return file && ::fstat(file.get(), &found) == 0 && S_ISREG(found.st_mode) && ::flock(file.get(), LOCK_SH | LOCK_NB) == 0;
 }
 
 OutputFile::OutputFile(const std::filesystem::path& target, uint64_t keep, bool reads) : target_(target), partial_(target.string() + ".partial") {

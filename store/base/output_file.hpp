@@ -47,6 +47,9 @@ class OutputFile {
 // Throws IoError if something else than a file has this name: an OutputFile would refuse it, perhaps after hours of other work.
 void expect_file_name(const std::filesystem::path& target);
 
+// Whether a writer of the target that is gone has left its temporary file, which the next one throws away unless it resumes.
+bool left_behind(const std::filesystem::path& target);
+
 // What several processes write of one file: the places that its OutputFile, in any process, has skipped. Throws IoError.
 class FileRoom {
  public:

@@ -56,6 +56,14 @@ void add(CellStats& to, unsigned __int128 cells, double volume, const Box& box) 
   to.volume += volume;
 }
 
+// Where the cells lie that the statistics of a part of a chunk are of.
+Box box_of(const GridReader& reader, const ChunkPart& p, const LabelStats& l) {
+  if (l.hi[0] > p.u1 || l.hi[1] > p.v1 || l.hi[2] > p.w1)
+    throw FormatError(fmt::format("{}: {}: its statistics reach outside of it (FORMAT.md 10.3)", reader.name(), chunk_name(p.key)));
+  return reader.meta().frame().box({p.first_u + l.lo[0], p.first_v + l.lo[1], p.first_w + l.lo[2]},
+                                   {p.first_u + l.hi[0], p.first_v + l.hi[1], p.first_w + l.hi[2]});
+}
+
 bool is_graded(const Grid& grid) { return std::ranges::any_of(grid.axis, &Axis::is_graded); }
 
 // Where all cells are alike, a volume is a multiple of theirs.
@@ -94,10 +102,7 @@ std::vector<CellStats> read_label_stats(const GridReader& reader, const Box& box
     }
     std::vector<Label> scattered;  // labels whose cells don't fill their boxes: on a graded axis their volumes are summed run by run
     for (const LabelStats& l : entry->size != 0 && p.whole ? entry->stats : counted) {
-      if (l.hi[0] > p.u1 || l.hi[1] > p.v1 || l.hi[2] > p.w1)
-        throw FormatError(fmt::format("{}: {}: its statistics reach outside of it (FORMAT.md 10.3)", reader.name(), chunk_name(p.key)));
-      const Box b =
-          f.box({p.first_u + l.lo[0], p.first_v + l.lo[1], p.first_w + l.lo[2]}, {p.first_u + l.hi[0], p.first_v + l.hi[1], p.first_w + l.hi[2]});
+      const Box b = box_of(reader, p, l);
       const bool fills = l.cells == uint64_t{l.hi[0] - l.lo[0]} * (l.hi[1] - l.lo[1]) * (l.hi[2] - l.lo[2]);
       const double volume = graded && fills ? length(0, b.lo[0], b.hi[0]) * length(1, b.lo[1], b.hi[1]) * length(2, b.lo[2], b.hi[2]) : 0;
       add(stats[l.label], l.cells, volume, b);
@@ -113,6 +118,20 @@ std::vector<CellStats> read_label_stats(const GridReader& reader, const Box& box
   });
   set_uniform_volumes(grid, stats);
   return stats;
+}
+
+Box read_box_of(const GridReader& reader, const std::vector<bool>& labels) {
+  const Box all = reader.meta().grid.box(0);
+  reader.prefetch(0, all, false);
+  CellStats sum;
+  for_each_part(reader.shape(0), RayBox(all, reader.meta().frame()), [&](const ChunkPart& p) {
+    const auto entry = reader.entry(p.key);
+    if (entry->size == 0 && labels[entry->uniform[0]]) add(sum, 1, 0, box_of(reader, p, {entry->uniform[0], 1, {0, 0, 0}, {p.u1, p.v1, p.w1}}));
+    else if (entry->size != 0)
+      for (const LabelStats& l : entry->stats)
+        if (labels[l.label]) add(sum, 1, 0, box_of(reader, p, l));
+  });
+  return sum.box;
 }
 
 std::vector<CellStats> stats_by_material(const Metadata& meta, const std::vector<CellStats>& of_labels) {

@@ -18,4 +18,7 @@ std::vector<CellStats> stats_by_material(const Metadata& meta, const std::vector
 // By material id. Throws what read_label_stats() throws.
 std::vector<CellStats> read_stats(const GridReader& reader, const Box& box);
 
+// The box of the cells with one of these labels, on level 0; empty when there are none. No chunk is decoded.
+Box read_box_of(const GridReader& reader, const std::vector<bool>& labels);
+
 }  // namespace teracell::store

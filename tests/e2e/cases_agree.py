@@ -149,6 +149,8 @@ class Stadium(Case):
                         self.assertNotEqual(run["material"], j["runs"][i - 1]["material"], "neighbouring runs have different materials")
                     found += [run["material"]] * (run["to"] - run["from"])
                     end = run["to"]
+                place = f"{low[u] + a + rng.choice((0, 0.5, 0.875))},{low[v] + b + rng.choice((0, 0.5, 0.875))}"  # cells have sides of 1
+                self.assertEqual(self.json_of("column", self.grid, "--axis", axis, f"--place={place}"), j)
                 start = a * stride[u] + b * stride[v]
                 self.assertEqual(bytes(found), self.cells[start : start + (n[w] - 1) * stride[w] + 1 : stride[w]], f"{axis} {a},{b}")
 

@@ -52,6 +52,8 @@ class Diff(Case):
             self.assertEqual(self.names_of("d.tcell")[1], pairs)
             self.assertEqual(self.json_of("info", "d.tcell")["ray_axis"], axis_a)
         self.assertIn("steel → wood", self.run_ok("info", "d.tcell").out)
+        self.run_ok("diff", self.path(a), self.path(b), "-o", "d.tcell")
+        self.assertEqual([i["path"] for i in self.json_of("info", "d.tcell")["report"]["inputs"]], [a, b], "without folders of the machine")
         self.no_debris()
 
     def test_the_table_and_equal_grids(self):

@@ -122,6 +122,19 @@ class Outputs(Case):
             self.run_ok(*args)  # a partial file without a writer does not stop it
             self.no_debris()
 
+    def test_what_a_killed_run_has_left_is_named_before_it_is_thrown_away(self):
+        mesh = ["mesh", "box.stl", "--cells", 10, "-o", "x.tcell"]
+        self.assertEqual(self.run_ok(*mesh).err, "")
+        for checkpoint, args, more in ((False, mesh, ""), (True, mesh, ", and --resume would go on with it"), (False, [*mesh, "--shard", "0/1"], "")):
+            name = "x.tcell.shard-0-of-1" if "--shard" in args else "x.tcell"
+            self.write(f"{name}.partial", "some bytes")
+            if checkpoint:
+                self.write(f"{name}.resume", "a state")
+            self.assertEqual(self.run_ok(*args).err, f"warning: {name}.partial is thrown away: a killed run has left it{more}\n")
+            self.no_debris()
+        self.write("x.tcell.partial", "some bytes")
+        self.assertEqual(self.run_ok(*mesh, "--resume").err, "")
+
     def test_ctrl_c_leaves_nothing_behind(self):
         kept = self.bytes("g.tcell")
         for sent in (signal.SIGINT, signal.SIGTERM):

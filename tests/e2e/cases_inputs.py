@@ -74,7 +74,11 @@ class Inputs(Case):
         cells = self.cells_of_box()
         text = solids.ascii_stl(BOX)
         obj = "".join(f"v {x} {y} {z}\n" for facet in BOX for x, y, z in facet) + "".join(f"f {i} {i + 1} {i + 2}\n" for i in range(1, 3 * len(BOX), 3))
-        for name, contents, warnings in (("behind.stl", solids.binary_stl(BOX) + bytes(120), ["120 bytes after the last facet were skipped"]),
+        ply = solids.ply((0.0, 0.0, 0.0), (4.0, 3.0, 2.0), "ascii").decode().splitlines()
+        body = ply.index("end_header") + 1
+        longer = "\n".join([*ply[:body], *(row + " 255 0.5" for row in ply[body:])]) + "\n"  # as MeshLab has written it
+        said = f"{len(ply) - body} rows have more values than the header declares, the first in line {body + 1}, of vertex: these values were left out."
+        for name, contents, warnings in (("longer.ply", longer, [said]), ("behind.stl", solids.binary_stl(BOX) + bytes(120), ["120 bytes after the last facet were skipped"]),
                                          ("open.stl", text[: text.rindex("endsolid")], ["the file ends without 'endsolid': it may be cut short"]),
                                          ("color.stl", text.replace("outer", "color 1 0 0\nouter"), ["12 lines that are not STL were skipped, the first is line 3, 'color 1 0 0'"]),
                                          ("line.stl", text.replace("\n", " "), []),

@@ -46,6 +46,18 @@ class Scenes(Case):
         self.assertEqual(self.json_of("stats", "g.tcell"), stats)
         self.run_ok("verify", "g.tcell")
 
+    def test_no_report_tells_a_folder_of_the_machine(self):
+        for path in ("a.stl", self.path("a.stl"), self.path("./a.stl")):
+            self.mesh([{"name": "a", "mesh": path, "material": "steel"}])
+            report = self.json_of("info", "g.tcell")["report"]
+            self.assertEqual([report["inputs"][0]["path"], report["scene"]["bodies"][0]["mesh"]], ["a.stl", "a.stl"])
+        for scene, surfaces in ((self.path("s.json"), []), (None, [self.path("a.stl"), self.path("b.obj")])):
+            if scene:
+                self.write("s.json", {"grid": {"cells": 9}, "materials": {"steel": {}}, "bodies": [{"mesh": self.path("a.stl"), "material": "steel"}]})
+            self.run_ok("mesh", *([scene] if scene else [*surfaces, "--cells", 9]), "-o", self.path("h.tcell"), "--report", "r.json")
+            for text in (self.run_ok("info", "h.tcell").out, self.run_ok("info", "h.tcell", "--json").out, self.bytes("r.json").decode()):
+                self.assertNotIn(self.folder, text)
+
     def test_statistics_by_body_where_bodies_are_kept_apart(self):
         bodies = [{"name": "left", "mesh": "a.stl", "material": "steel"}, {"name": "right", "mesh": "b.obj", "material": "steel"}]
         self.mesh(bodies)

@@ -26,6 +26,8 @@ class Usage(Case):
         self.assertEqual(self.run_ok("help").out, general)
         self.assertEqual(self.run_ok("help", "mesh").out, self.run_ok("mesh", "--help").out)
         self.refused(2, ["no command 'mehs'"], "help", "mehs")
+        bare = teracell(cwd=self.folder)
+        self.assertEqual((bare.status, bare.out, bare.err), (2, "", general))
 
     def test_no_argument_of_a_command_is_called_like_its_options(self):
         for command in re.findall(r"^  ([a-z]+)  ", self.run_ok("--help").out.split("Commands:")[1], re.M):
@@ -49,9 +51,21 @@ class Usage(Case):
         self.assertRegex(self.run_ok("mesh", "box.stl", "--cells", 9, "-o", "h.tcell").out, r" s, 1\.\d kB, \d+\.\d MB of memory")
         self.assertRegex(self.run_ok("verify", "g.tcell").out, r"sound\. 1\.\d kB, 1 chunk on 4 stored levels")
 
+    def test_digits_are_grouped_and_headings_have_units(self):
+        size = "1,200 x 1,000 x 11 = 13,200,000"
+        self.assertIn(f"h.tcell: {size} cells in", self.run_ok("mesh", "box.stl", "--cells", "1200,1000,11", "-o", "h.tcell").out)
+        told = self.run_ok("info", "h.tcell").out
+        self.assertIn(f"\ncells       {size}\n", told)
+        inside = self.json_of("stats", "h.tcell")["materials"][1]["cells"]
+        self.assertIn(f"nonzero, {inside:,} cells\n", told)
+        for command, phrases in (("stats", [" volume, m³ ", f" {inside:,} "]), ("column", ["column along z at x = ", " m (cell 600), y = ", " from, m ", " to, m "])):
+            said = self.run_ok(command, "h.tcell", *(["--axis", "z", "--at", "600,500"] if command == "column" else [])).out
+            for phrase in phrases:
+                self.assertIn(phrase, said)
+        self.assertIn("all of 13,200,000 cells", self.run_ok("diff", "h.tcell", "h.tcell").out)
+
     def test_commands_and_options(self):
         for phrases, args in (
-                (["expected a command", "mesh", "slice", "--help"], []),
                 (["no command 'meshh'", "mean mesh?"], ["meshh"]),
                 (["no command 'slcie'", "mean slice?"], ["slcie", "g.tcell"]),
                 (["no option '--foo'", "--help"], ["--foo"]),
@@ -65,7 +79,10 @@ class Usage(Case):
                 (["--output", "value"], ["export", "g.tcell", "-o"]),
                 (["inputs"], ["mesh", "-o", "x.tcell"]),
                 (["grid", ".tcell"], ["info"]),
-                (["--at"], ["column", "g.tcell", "--axis", "z"]),
+                (["--at, --place", "found neither"], ["column", "g.tcell", "--axis", "z"]),
+                (["--at, --place", "found both"], ["column", "g.tcell", "--axis", "z", "--at", "1,1", "--place", "1,1"]),
+                (["--place", "2 coordinates", "'1,2,3'"], ["column", "g.tcell", "--axis", "z", "--place", "1,2,3"]),
+                (["--place", "along z", "found 9"], ["column", "g.tcell", "--axis", "y", "--place", "1,9"]),
                 (["'pyramid'", "stadium"], ["sample", "pyramid", "-o", "x"])):
             self.refused(2, phrases, *args)
 

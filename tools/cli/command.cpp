@@ -77,6 +77,13 @@ void check_region(const Grid& grid, int level, int axis, int64_t lo, int64_t hi)
                                  axis_name(axis), level, lo, hi));
 }
 
+int64_t cell_of(double coordinate, const Metadata& meta, int axis, const char* option) {
+  const Axis& a = meta.grid.axis[axis];
+  if (!(coordinate >= a.min() && coordinate <= a.max()))
+    throw UsageError(fmt::format("{}: expected {} to {} {} along {}, found {}", option, a.min(), a.max(), meta.units, axis_name(axis), coordinate));
+  return a.cell_at(coordinate);
+}
+
 Box parse_region(const std::string& text, const Grid& grid, int level) {
   const auto n = parse_integers(text, 6, "--region");
   for (int d = 0; d < 3; ++d) check_region(grid, level, d, n[d], n[d + 3]);

@@ -26,6 +26,8 @@ int parse_axis(const std::string& text);  // "x", "y", "z"
 void check_level(const Grid& grid, int level);
 // Throws UsageError unless 0 <= lo < hi <= the level's cells on the axis.
 void check_region(const Grid& grid, int level, int axis, int64_t lo, int64_t hi);
+// The cell of level 0 that a coordinate lies in. Throws UsageError naming `option` unless that is in the grid.
+int64_t cell_of(double coordinate, const Metadata& meta, int axis, const char* option);
 Box parse_region(const std::string& text, const Grid& grid, int level);
 // A grid that a command reads: a file or an address.
 struct GridArgument {

@@ -57,7 +57,10 @@ int main(int argc, char** argv) {
     words.push_back("--help");
   }
   try {
-    if (words.empty()) return fail(2, fmt::format("expected a command, found none: {}. See: teracell --help", fmt::join(names, ", ")));
+    if (words.empty()) {
+      std::cerr << app.help();
+      return 2;
+    }
     if (words.size() == 2 && words[0] == "--write-manual") {  // for the installation
       write_manual(app, words[1]);
       return done();

@@ -21,6 +21,8 @@ struct Export {
   std::function<void(double share)> progress;
   std::vector<uint32_t> map = {};                      // the number that is written for each material id; empty: the id itself
   std::map<std::string, std::string> options = {};     // those of ExportFormat::options that were given
+  // Called, when all is written, with what a user is to know besides.
+  std::function<void(const std::string& sentence)> tell = [](const std::string&) {};
 
   // What is written for a cell, and the largest number that can occur.
   SetValue number() const;

@@ -140,7 +140,8 @@ TEST_CASE("cells with step, min without max, and a matrix with scale exclude eac
   check_error(scene_text(R"("min": [0,0,0])"), {"grid (axis x)", "only min"});
   check_error(scene_text(R"("z": {"max": 1})"), {"grid.z", "only max"});
   check_error(scene_text(R"("min": [0,0,1], "max": [1,1,1])"), {"grid (axis z)", "min < max"});
-  check_error(scene_text(R"("x": {"planes": [0, 1], "cells": 1})"), {"grid.x", "planes", "\"cells\""});
+  check_error(scene_text(R"("x": {"planes": [0, 1], "cells": 1})"), {"grid.x", "planes", "take away \"cells\""});
+  check_error(scene_text(R"("z": {"planes": [0, 1], "min": 0, "max": 1})"), {"grid.z", "\"planes\"", "take away \"min\", \"max\""});
   check_error(scene_text("", R"("matrix": [1,0,0,0, 0,1,0,0, 0,0,1,0], "scale": 1)"), {"bodies[0]", "matrix excludes"});
 }
 
@@ -415,4 +416,21 @@ TEST_CASE("the normalised scene reads back equal and is its own normal form", "[
         R"("background":"air","materials":{"air":{"color":"#00000000"},"steel":{"color":"#8899aa"}},"label_by":"material",)"
         R"("bodies":[{"name":"hull","mesh":"hull.stl","material":"steel","priority":0,"fill":"auto","closing":"cap",)"
         R"("matrix":[1.0,0.0,0.0,0.0,0.0,1.0,0.0,0.0,0.0,0.0,1.0,0.0]}]})");
+}
+
+TEST_CASE("A report shows no folder of the machine: what the scene names, what lies below it, or a file's name") {
+  const std::string here = fs::current_path().string();
+  CHECK(mesh_shown("../shared/hull.stl", "models") == "../shared/hull.stl");
+  CHECK(mesh_shown("/home/me/models/parts/hull.stl", "/home/me/models") == "parts/hull.stl");
+  CHECK(mesh_shown("/home/me/models/x/../parts/hull.stl", "/home/me/models/") == "parts/hull.stl");
+  CHECK(mesh_shown("/home/me/hull.stl", "/home/me/models") == "hull.stl");
+  CHECK(mesh_shown(here + "/models/hull.stl", "models") == "hull.stl");
+  CHECK(mesh_shown(here + "/hull.stl", "") == "hull.stl");
+  const Scene scene = parse_scene(R"({"materials": {"a": {}}, "bodies": [{"mesh": "/home/me/models/parts/hull.stl", "material": "a"}]})", "/home/me/models");
+  CHECK(scene.bodies[0].mesh == "/home/me/models/parts/hull.stl");
+  CHECK(normalised(scene).find("/home") == std::string::npos);
+  const Scene bare = bare_scene({"/home/me/a.stl", "b/c.stl"});
+  CHECK(bare.bodies[0].mesh == "/home/me/a.stl");
+  CHECK(bare.bodies[0].mesh_text == "a.stl");
+  CHECK(bare.bodies[1].mesh_text == "b/c.stl");
 }

@@ -68,6 +68,24 @@ TEST_CASE("Windows have their own size; wrong ones, wrong options and too many p
   CHECK(s.get(kBase + "png/1").status == 404);
 }
 
+TEST_CASE("A picture frames what is shown, and with domain=1 the whole grid", "[server]") {
+  TempFolder folder;
+  std::vector<Label> cells(static_cast<size_t>(kCells[0] * kCells[1] * kCells[2]));
+  cells[5 + 7 * 37] = cells[6 + 8 * 37] = 1;  // two small cells at the bottom
+  store_cells(folder / "g.tcell", metadata_of(grid(), 2, kMaterials), cells);
+  Service service({.named = {folder.path()}});
+  const auto shown = [&](const std::string& more) {
+    const Response r = handle(service, {.target = kBase + "png?size=64,48&flat=1&background=%2300000000" + more});
+    REQUIRE(r.status == 200);
+    int64_t out = 0;
+    for (const auto& pixel : png_of(*r.body).pixels) out += pixel[3] != 0;
+    return out;
+  };
+  CHECK(shown("") > 64 * 48 / 20);
+  CHECK(shown("&domain=0") == shown(""));
+  CHECK(shown("&domain=1") <= 2);
+}
+
 TEST_CASE("A picture is made from the numbers of the same view: what is background in one is so in the other", "[server]") {
   Served s;
   const std::string view = "size=64,48&labels=2&open=8,60,10";

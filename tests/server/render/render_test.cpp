@@ -19,7 +19,7 @@ Picture3D picture_of(const GridReader& reader, const std::map<std::string, std::
     const auto it = words.find(name);
     return it == words.end() ? nullptr : &it->second;
   };
-  return render(reader, parse_render_options(text, reader.meta(), "--"), threads, [](double) {});
+  return render(reader, parse_render_options(text, reader, "--"), threads, [](double) {});
 }
 
 Rgba pixel(const Picture3D& picture, int64_t x, int64_t y) {
@@ -122,14 +122,15 @@ TEST_CASE("a ball is round: its outline is a circle, and light changes smoothly 
   CHECK(largest_step <= 24);
 }
 
-TEST_CASE("the default view has the whole grid in it, from the same direction for any shape", "[render]") {
-  for (const Index3& n : {Index3{8, 8, 8}, Index3{40, 3, 5}, Index3{2, 2, 50}}) {
+TEST_CASE("the default view has all of a box in it, from the same direction for any shape", "[render]") {
+  for (const Box& box : {Box{{0, 0, 0}, {8, 8, 8}}, Box{{0, 0, 0}, {40, 3, 5}}, Box{{30, 2, 1}, {32, 4, 51}}}) {
+    const Index3 n = {box.hi[0] + 5, box.hi[1], box.hi[2] + 90};
     const Grid grid{{Axis::uniform(7, 0.5, 0, n[0], 0.5), Axis::uniform(-70, 1, 0, n[1], 0.5), Axis::uniform(0, 1, 0, n[2], 0.5)}};
-    const DefaultView view = default_view(grid);
+    const DefaultView view = default_view(grid, box);
     const Camera camera = perspective_camera(view.from, view.at, 2, 30, {90, 90});
     for (int corner = 0; corner < 8; ++corner) {
       Vec3 p;
-      for (int d = 0; d < 3; ++d) p[d] = grid.axis[d].plane(corner >> d & 1 ? n[d] : 0);
+      for (int d = 0; d < 3; ++d) p[d] = grid.axis[d].plane(corner >> d & 1 ? box.hi[d] : box.lo[d]);
       const Vec3 off = p - camera.from;
       const double far = dot(off, camera.forward);
       CHECK(far > 0);
@@ -140,6 +141,47 @@ TEST_CASE("the default view has the whole grid in it, from the same direction fo
     for (int d = 0; d < 3; ++d) CHECK(camera.forward[d] == Approx(expected[d]));
     CHECK(camera.up[2] > 0);
   }
+}
+
+TEST_CASE("a picture frames what is shown, or the whole grid where that is asked for", "[render]") {
+  const TempFolder folder;
+  constexpr int64_t n = 64;
+  const Grid grid{{Axis::uniform(-1, 0.5, 0, n, 0.5), Axis::uniform(3, 0.25, 0, n, 0.5), Axis::uniform(0, 1, 0, n, 0.5)}};
+  std::vector<Label> cells(n * n * n);
+  const std::vector<Box> boxes = {{{5, 9, 3}, {11, 17, 8}}, {{50, 40, 60}, {52, 44, 61}}};  // of labels 1 and 2
+  for (size_t i = 0; i < cells.size(); ++i) {
+    const auto at = static_cast<int64_t>(i);
+    const Index3 cell = {at % n, at / n % n, at / n / n};
+    for (size_t b = 0; b < 2; ++b)
+      if (overlap(boxes[b], {cell, {cell[0] + 1, cell[1] + 1, cell[2] + 1}})) cells[i] = static_cast<Label>(b + 1);
+  }
+  store_cells(folder / "g", with_tiny_chunks(metadata_of(grid, 1, 3)), cells);
+  const GridReader reader = stored_with_cache(folder / "g");
+  const auto view_of = [&](std::map<std::string, std::string, std::less<>> words) {
+    const auto text = [&](std::string_view name) -> const std::string* {
+      const auto it = words.find(name);
+      return it == words.end() ? nullptr : &it->second;
+    };
+    return parse_render_options(text, reader, "--").aim.camera;
+  };
+  const auto frames = [&](const Camera& camera, const Box& box) {
+    const DefaultView view = default_view(grid, box);
+    return camera.from == view.from && camera.forward == normalised(view.at - view.from);
+  };
+  CHECK(frames(view_of({}), {{5, 9, 3}, {52, 44, 61}}));
+  CHECK(frames(view_of({{"materials", "m1"}}), boxes[0]));
+  CHECK(frames(view_of({{"labels", "2"}}), boxes[1]));
+  CHECK(frames(view_of({{"labels", "2"}, {"level", "3"}}), {{48, 40, 56}, {56, 48, 64}}));
+  CHECK(frames(view_of({{"labels", ""}}), grid.box(0)));
+  CHECK(frames(view_of({{"labels", "2"}, {"domain", ""}}), grid.box(0)));
+  CHECK(frames(view_of({{"labels", "2"}, {"domain", "0"}}), boxes[1]));
+  CHECK(view_of({{"labels", "2"}, {"from", "0,0,0"}}).forward == normalised(default_view(grid, boxes[1]).at));
+  CHECK(view_of({{"labels", "2"}, {"view", "x"}}).pixel == view_of({{"view", "x"}}).pixel);  // which the domain fills
+  // However small it is, it fills some of the picture.
+  const Picture3D picture = picture_of(reader, {{"labels", "2"}, {"size", "80,80"}, {"background", "#00000000"}});
+  int64_t seen = 0;
+  for (int64_t i = 0; i < 80 * 80; ++i) seen += pixel(picture, i % 80, i / 80)[3] == 255;
+  CHECK(seen > 80 * 80 / 8);
 }
 
 TEST_CASE("a picture does not depend on the unit of length, however large or small", "[render]") {
@@ -208,6 +250,7 @@ TEST_CASE("options that make no sense are usage errors that say what is expected
       {{{"labels", "1"}, {"materials", "a"}}, "--materials: expected alone, found with --labels"},
       {{{"background", "white"}}, "--background: expected #rrggbb"},
       {{{"flat", "maybe"}}, "--flat"},
+      {{{"domain", "2"}}, "--domain: expected 0 or 1"},
   };
   for (const auto& [words, message] : wrong) {
     INFO(words.begin()->first << " " << words.begin()->second);

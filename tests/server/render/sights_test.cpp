@@ -91,7 +91,7 @@ RenderOptions options_of(const GridReader& reader, const std::map<std::string, s
         const auto it = words.find(name);
         return it == words.end() ? nullptr : &it->second;
       },
-      reader.meta(), "--");
+      reader, "--");
 }
 
 TEST_CASE("the numbers have the colours of the picture", "[render]") {

@@ -13,6 +13,31 @@ TEST_CASE("The statistics of any box of random cells in many small chunks are th
   for_random_cells([](Checked&& checked) { checked.stats(); });
 }
 
+TEST_CASE("The box of some labels is that of their cells, and empty where there are none") {
+  for (int seed = 0; seed < 40; ++seed) {
+    std::mt19937_64 random(static_cast<uint64_t>(seed));
+    const Grid grid = random_grid(random, 30);
+    const Index3 n = grid.cells();
+    std::vector<Label> cells(static_cast<size_t>(n[0] * n[1] * n[2]));
+    for (int i = 0; i < 6; ++i) cells[random() % cells.size()] = static_cast<Label>(1 + i / 2);
+    std::vector<bool> labels(5);
+    for (size_t i = 1; i < 5; ++i) labels[i] = random() % 2 == 0;
+    Box expected;
+    for (size_t i = 0; i < cells.size(); ++i) {
+      if (!labels[cells[i]]) continue;
+      const auto at = static_cast<int64_t>(i);
+      const Index3 cell = {at % n[0], at / n[0] % n[1], at / (n[0] * n[1])};
+      if (expected.empty()) expected = {n, {0, 0, 0}};
+      for (size_t d = 0; d < 3; ++d) expected.lo[d] = std::min(expected.lo[d], cell[d]), expected.hi[d] = std::max(expected.hi[d], cell[d] + 1);
+    }
+    const GridReader reader = reader_of(with_tiny_chunks(metadata_of(grid, seed % 3, 5)), cells);
+    INFO("seed " << seed);
+    const Box found = read_box_of(reader, labels);
+    CHECK(found.empty() == expected.empty());
+    if (!expected.empty()) CHECK(found == expected);
+  }
+}
+
 TEST_CASE("A material without cells has no volume and an empty box; an empty region has no cells") {
   const GridReader reader = reader_of(metadata_of(cube_grid_of(0, 1, 4), 0, 3), std::vector<Label>(64, 1));
   const auto stats = read_stats(reader, {{0, 0, 0}, {4, 4, 4}});

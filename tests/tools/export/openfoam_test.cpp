@@ -89,6 +89,36 @@ TEST_CASE("A mesh has the cells of its materials and a patch for each thing beyo
   CHECK(checked > 40);
 }
 
+TEST_CASE("A case gets the dictionaries that it lacks, once the mesh is complete, and those that are there stay", "[openfoam]") {
+  std::mt19937_64 random(3);
+  const TempFolder folder;
+  const Metadata meta = random_meta(random, {4, 3, 2}, 1);
+  store_cells(folder / "g.tcell", meta, std::vector<Label>(24));
+  const GridReader reader(folder / "g.tcell");
+  const auto told = [&](const Options& options) {
+    std::string out;
+    export_format_named("openfoam")
+        ->write({reader, 0, meta.grid.box(0), folder / "case", [](double) {}, {}, options, [&](const std::string& sentence) { out += sentence; }});
+    return out;
+  };
+  const fs::path system = folder / "case" / "system";
+  fs::create_directories(system);
+  std::ofstream(system / "fvSchemes") << "mine";
+  CHECK_THAT(told({}), Catch::Contains("case: system/controlDict, system/fvSolution are written"));
+  CHECK(file_bytes(system / "fvSchemes").size() == 4);
+  for (const char* name : {"controlDict", "fvSolution"}) {
+    const Bytes text = file_bytes(system / name);
+    CHECK(std::string(text.begin(), text.end()).find(fmt::format("object      {};", name)) != std::string::npos);
+  }
+  CHECK_THAT(told({{"--ranks", "3"}}), Catch::Contains("case: system/decomposeParDict is written"));
+  const Bytes text = file_bytes(system / "decomposeParDict");
+  CHECK(std::string(text.begin(), text.end()).find("numberOfSubdomains 3;") != std::string::npos);
+  CHECK_THROWS_AS(told({}), UsageError);  // there is a mesh
+  fs::remove_all(folder / "case" / "constant");
+  CHECK(told({}).empty());
+  CHECK_THROWS_AS(told({{"--fluid", "none"}}), UsageError);
+}
+
 TEST_CASE("Walls are told apart by the patches of the surface, in parts or as a whole", "[openfoam]") {
   std::mt19937_64 random(29);
   const TempFolder folder;

@@ -77,12 +77,16 @@ void run(const ExportArguments& o) {
   const Box box = !o.region ? grid.box(o.level) : parse_region(*o.region, grid, o.level);
   const Wanted wanted = until_interrupted(o.output);  // before there is a file to leave behind
   const std::vector<uint32_t> map = !o.map ? std::vector<uint32_t>() : numbers_of(*o.map, reader, o.level, box, format);
-  ProgressLine line(o.progress, "export");
-  double cells = 1;
-  for (int d = 0; d < 3; ++d) cells *= static_cast<double>(box.hi[d] - box.lo[d]);
-  line.set_cells(cells);
-  const auto progress = [&](double share) { line("export", share); };
-  format.write({reader, o.level, box, o.output, progress, map, o.of_formats});
+  std::vector<std::string> told;
+  {
+    ProgressLine line(o.progress, "export");
+    double cells = 1;
+    for (int d = 0; d < 3; ++d) cells *= static_cast<double>(box.hi[d] - box.lo[d]);
+    line.set_cells(cells);
+    const auto progress = [&](double share) { line("export", share); };
+    format.write({reader, o.level, box, o.output, progress, map, o.of_formats, [&](const std::string& sentence) { told.push_back(sentence); }});
+  }
+  for (const std::string& sentence : told) say(sentence);
 }
 
 }  // namespace

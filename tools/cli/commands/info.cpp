@@ -1,5 +1,6 @@
 // teracell info: what a file holds.
 #include <algorithm>
+#include <cmath>
 #include <iostream>
 #include <utility>
 #include <vector>
@@ -12,7 +13,6 @@
 #include "store/channels/fractions.hpp"
 #include "store/format/report_json.hpp"
 #include "store/grid/number_text.hpp"
-#include "store/text/text.hpp"
 #include "store/whole/info.hpp"
 #include "tools/cli/command.hpp"
 #include "tools/cli/commands/mesh_summary.hpp"
@@ -24,6 +24,9 @@ struct InfoArguments {
   GridArgument grid;
   bool json = false;
 };
+
+// "1 chunk", "2,000 chunks".
+std::string counted(uint64_t n, std::string_view thing) { return fmt::format("{} {}{}", fmt::group_digits(n), thing, n == 1 ? "" : "s"); }
 
 void row(const std::string& name, const std::string& text) { say(fmt::format("{:<12}{}", name, text)); }
 
@@ -41,18 +44,19 @@ void print_holes(const std::vector<HoleReport>& holes, const std::string& units)
     const auto gap = h.width > 0.0 ? fmt::format("gap {} {} ({} cells), ", number_text(*h.width, 4), units, number_text(h.width_cells, 3)) : "";
     detail(std::exchange(title, ""),
            fmt::format("{} {} across ({} cells), {}at {}, {}, {} {} {}²", number_text(h.diameter, 4), units, number_text(h.diameter_cells, 3), gap,
-                       place_text(h.at), plural(h.edges, "edge"), h.extruded ? "extruded, floor of" : "cap of", number_text(h.cap_area, 4), units));
+                       place_text(h.at), counted(h.edges, "edge"), h.extruded ? "extruded, floor of" : "cap of", number_text(h.cap_area, 4), units));
   }
   if (sorted.size() > kShown)
-    detail("", fmt::format("and {} more, none wider than {} {}", sorted.size() - kShown, number_text(sorted[kShown].diameter, 4), units));
+    detail("", fmt::format("and {} more, none wider than {} {}", fmt::group_digits(sorted.size() - kShown), number_text(sorted[kShown].diameter, 4),
+                           units));
 }
 
 void print_seams(const BodyReport& body, const std::string& units) {
   const Seams& seams = body.seams;
   if (seams.number == 0 && seams.collapsed == 0) return;
-  detail("seams", fmt::format("{} stitched, {} {} in all{}, over gaps of up to {} {} (stitch length {} {})", plural(seams.number, "seam"),
+  detail("seams", fmt::format("{} stitched, {} {} in all{}, over gaps of up to {} {} (stitch length {} {})", counted(seams.number, "seam"),
                               number_text(seams.length, 4), units,
-                              seams.collapsed > 0 ? fmt::format(", and {} closed to a point", plural(seams.collapsed, "open edge")) : "",
+                              seams.collapsed > 0 ? fmt::format(", and {} closed to a point", counted(seams.collapsed, "open edge")) : "",
                               number_text(seams.widest_gap, 3), units, number_text(body.stitch, 3), units));
 }
 
@@ -61,8 +65,8 @@ void print_flips(const std::vector<Flip>& flips) {
   std::string title = "flips";
   for (size_t i = 0; i < std::min(flips.size(), kShown); ++i)
     detail(std::exchange(title, ""),
-           fmt::format("neighbours face opposite ways along {} at {}", plural(flips[i].edges, "edge"), place_text(flips[i].at)));
-  if (flips.size() > kShown) detail("", fmt::format("and along {}", plural(flips.size() - kShown, "more curve")));
+           fmt::format("neighbours face opposite ways along {} at {}", counted(flips[i].edges, "edge"), place_text(flips[i].at)));
+  if (flips.size() > kShown) detail("", fmt::format("and along {}", counted(flips.size() - kShown, "more curve")));
 }
 
 void print_rules(const std::vector<FillChoice>& fill) {
@@ -71,13 +75,15 @@ void print_rules(const std::vector<FillChoice>& fill) {
     const char* where = f.rule == Fill::kEvenodd    ? "a ray out passes the surface an odd number of times"
                         : f.rule == Fill::kDistinct ? "a ray out passes an odd number of places, each counted once however many facets lie there"
                                                     : "the surface winds around";
-    detail(std::exchange(title, ""), fmt::format("of {}: where {} ({}: {})", plural(f.shells.value_or(0), "shell"), where, fill_name(f.rule), f.why));
+    detail(std::exchange(title, ""),
+           fmt::format("of {}: where {} ({}: {})", counted(f.shells.value_or(0), "shell"), where, fill_name(f.rule), f.why));
   }
 }
 
 // "12, the widest 0.0312 mm at (...)"
 std::string lost_text(const LostReport& lost, const std::string& units) {
-  return fmt::format("{}, the widest {} {} at {}", lost.number, number_text(lost.widest, 4), units, place_text(lost.at.value_or(Vec3{})));
+  return fmt::format("{}, the widest {} {} at {}", fmt::group_digits(lost.number), number_text(lost.widest, 4), units,
+                     place_text(lost.at.value_or(Vec3{})));
 }
 
 // Prints which parts of a body lie between sample points. Files of version 1.0 may say nothing about that.
@@ -86,7 +92,7 @@ void print_lost(const BodyReport& b, const std::string& units) {
   if (b.lost_pairs > 0)
     detail(std::exchange(title, ""),
            fmt::format("rays along {} cross it twice between two sample points in {}, the first at {}", axis_name(b.lost_axis),
-                       plural(b.lost_pairs, "place"), place_text(b.first_lost_pair.value_or(Vec3{}))));
+                       counted(b.lost_pairs, "place"), place_text(b.first_lost_pair.value_or(Vec3{}))));
   if (!b.lost) return;
   for (int axis = 0; axis < 3; ++axis)
     if (const LostReport& lost = (*b.lost)[axis]; lost.number > 0)
@@ -98,19 +104,19 @@ void print_body(const std::string& title, const BodyReport& b, const std::string
   std::vector<std::string_view> rules;
   for (const FillChoice& f : b.fill) rules.push_back(fill_name(f.rule));
   const bool parity = std::ranges::any_of(b.fill, [](const FillChoice& f) { return f.rule != Fill::kNonzero; });
-  row(title, fmt::format("{}: {} in {}, {}, {} cell{}", b.name, plural(b.facets, "facet"), plural(b.counts.shells, "shell"),
-                         b.sheet ? "sheet" : fmt::format("{}", fmt::join(rules, " and ")), b.cells, b.cells == 1 ? "" : "s"));
+  row(title, fmt::format("{}: {} in {}, {}, {}", b.name, counted(b.facets, "facet"), counted(b.counts.shells, "shell"),
+                         b.sheet ? "sheet" : fmt::format("{}", fmt::join(rules, " and ")), counted(b.cells, "cell")));
   if (parity || !b.holes.empty() || !b.flips.empty()) print_rules(b.fill);
   print_seams(b, units);
   print_holes(b.holes, units);
   print_flips(b.flips);
   print_lost(b, units);
-  if (b.covered > 0) detail("overlap", fmt::format("{} cell{}, owned by stronger bodies", b.covered, b.covered == 1 ? "" : "s"));
+  if (b.covered > 0) detail("overlap", counted(b.covered, "cell") + ", owned by stronger bodies");
   if (const uint64_t n = b.counts.duplicates; n > 0)
-    detail("duplicates", fmt::format("{} with the vertices of an earlier one: {} the same way round, {} the other way", plural(n, "facet"),
-                                     n - b.counts.opposite, b.counts.opposite));
+    detail("duplicates", fmt::format("{} with the vertices of an earlier one: {} the same way round, {} the other way", counted(n, "facet"),
+                                     fmt::group_digits(n - b.counts.opposite), fmt::group_digits(b.counts.opposite)));
   if (b.counts.degenerate > 0)
-    detail("degenerate", fmt::format("{} without area: they change nothing, as no ray crosses them", plural(b.counts.degenerate, "facet")));
+    detail("degenerate", fmt::format("{} without area: they change nothing, as no ray crosses them", counted(b.counts.degenerate, "facet")));
 }
 
 void print_report(const Report& report, const std::string& units) {
@@ -122,7 +128,7 @@ void print_report(const Report& report, const std::string& units) {
     for (const GapReport& gap : *report.lost_gaps)
       row(std::exchange(title, ""),
           fmt::format("of {} between two sample points along {}: {}", gap.material, axis_name(gap.axis), lost_text(gap.lost, units)));
-  if (report.bodies_left_out > 0) row("", fmt::format("and {} more bodies, too many for the report", report.bodies_left_out));
+  if (report.bodies_left_out > 0) row("", fmt::format("and {} more bodies, too many for the report", fmt::group_digits(report.bodies_left_out)));
   title = "warnings";
   for (const std::string& w : report.warnings) row(std::exchange(title, ""), w);
 }
@@ -141,7 +147,8 @@ void print_patches(const Metadata& meta) {
   for (size_t i = 0; i < shown; ++i)
     row(std::exchange(title, ""), fmt::format("{:<{}}  {} {}²", patches[i]->name, width, number_text(patches[i]->area, 4), meta.units));
   if (patches.size() > shown)
-    row("", fmt::format("and {} more, none larger than {} {}²", patches.size() - shown, number_text(patches[shown]->area, 4), meta.units));
+    row("", fmt::format("and {} more, none larger than {} {}²", fmt::group_digits(patches.size() - shown), number_text(patches[shown]->area, 4),
+                        meta.units));
 }
 
 // What the file holds beside the cells.
@@ -163,28 +170,29 @@ void print(const GridReader& reader) {
   const double cells = static_cast<double>(n[0]) * static_cast<double>(n[1]) * static_cast<double>(n[2]);
   const auto size = static_cast<double>(reader.file_bytes());
   row("file", fmt::format("{}, {}, content {}", reader.name(), bytes_text(size), reader.hash()));
-  row("cells",
-      fmt::format("{} x {} x {} = {}{}", n[0], n[1], n[2], cell_count_text(n), cells < 1e9 ? "" : fmt::format(" ({})", number_text(cells, 3))));
+  row("cells", cells_text(n) + (cells < 1e9 ? "" : fmt::format(" ({})", number_text(cells, 3))));
   for (int d = 0; d < 3; ++d) {
     const Axis& a = meta.grid.axis[d];
     row(d == 0 ? "domain" : "", fmt::format("{}  {:.8g} to {:.8g} {}, {}", axis_name(d), a.min(), a.max(), meta.units,
                                             a.is_graded() ? "graded" : fmt::format("cells of {:.6g} {}", a.step(), meta.units)));
   }
-  row("rays", fmt::format("along {}, {} facet crossings, {:.2f} bits per crossing on level 0", axis_name(meta.ray_axis), meta.crossings,
-                          bits_per_crossing(meta)));
+  row("rays", fmt::format("along {}, {} facet crossings, {:.2f} bits per crossing on level 0", axis_name(meta.ray_axis),
+                          fmt::group_digits(meta.crossings), bits_per_crossing(meta)));
   row("dense",
-      fmt::format("one byte per cell would take {}{}", bytes_text(cells), cells < size ? "" : fmt::format(", {:.0f} times as much", cells / size)));
+      fmt::format(
+          "one byte per cell would take {}{}", bytes_text(cells),
+          cells < size ? "" : fmt::format(", {} times as much", fmt::group_digits(static_cast<unsigned __int128>(std::round(cells / size))))));
   size_t width = 0;
   for (const MaterialInfo& m : meta.materials) width = std::max(width, m.name.size());
   for (size_t i = 0; i < meta.materials.size(); ++i)
     row(i == 0 ? "materials" : "", fmt::format("{:>3}  {:<{}}  {}", i, meta.materials[i].name, width, meta.materials[i].color));
   print_patches(meta);
   for (int level = 0; level < reader.levels(); ++level) {
-    const Index3 c = meta.grid.cells(level);
     std::string how = "derived when read";
     for (const LevelInfo& l : meta.levels())
-      if (l.level == level) how = fmt::format("{:>9} {:<6} {:>10}", l.chunks, l.chunks == 1 ? "chunk" : "chunks", bytes_text(l.bytes));
-    row(level == 0 ? "levels" : "", fmt::format("{:>3}  {:<24} {}", level, fmt::format("{} x {} x {}", c[0], c[1], c[2]), how));
+      if (l.level == level)
+        how = fmt::format("{:>9} {:<6} {:>10}", fmt::group_digits(l.chunks), l.chunks == 1 ? "chunk" : "chunks", bytes_text(l.bytes));
+    row(level == 0 ? "levels" : "", fmt::format("{:>3}  {:<24} {}", level, size_text(meta.grid.cells(level)), how));
   }
   print_channels(meta);
   const std::string report = reader.report();

@@ -22,13 +22,15 @@ void run(const MeshArguments& o) {
   const std::atomic<bool>& interrupted = watch_interrupts();
   std::optional<OutputFile> report_file;
   if (!o.report.empty()) report_file.emplace(o.report);
+  const std::filesystem::path file = options.shard ? part_path(o.output, *options.shard) : std::filesystem::path(o.output);
+  warn_of_leftovers(o, file);
   mesher::MeshReport report;
   {
     ProgressLine line(o.progress, "mesh");
     report = mesh(scene, o.output, options, std::ref(line), interrupted);
   }
   if (!options.shard || options.shard->number == 0) warn_of_caps(o, report);
-  if (options.shard) return say_part(part_path(o.output, *options.shard).string(), report);
+  if (options.shard) return say_part(file.string(), report);
   if (report_file) write_report(report, *report_file, o.output);
   say_grid(o.output, report);
   if (o.check) say_findings(o.output, check_grid({o.output, {}}, kept_findings(o.output), {.threads = threads_or_all(o.threads)}, o.progress));

@@ -21,6 +21,8 @@ mesher::Scene scene_from(const MeshArguments& o);
 void check_outputs(const MeshArguments& o, const mesher::Scene& scene);
 // `share`: of the machine's memory, for one of several processes on it.
 mesher::MeshOptions mesh_options(const MeshArguments& o, int share = 1);
+// Of what a killed run has left, and this one throws away. `file`: the grid, or the part of it, that is written.
+void warn_of_leftovers(const MeshArguments& o, const std::filesystem::path& file);
 void warn_of_caps(const MeshArguments& o, const mesher::MeshReport& report);  // when none were written
 
 }  // namespace teracell::cli

@@ -22,17 +22,27 @@ std::string longest_text(const mesher::Scene& scene, const Index3& n) {
   int longest = 0;
   while (longest < 2 && n[longest] != *scene.longest_cells) ++longest;
   return fmt::format("{} counts the cells of the longest axis, {}{}; cells are cubes, so other axes have fewer (NX,NY,NZ sets each axis)",
-                     *scene.longest_cells, axis_name(longest), scene.axis[longest].min ? "" : " with its pad");
+                     fmt::group_digits(*scene.longest_cells), axis_name(longest), scene.axis[longest].min ? "" : " with its pad");
 }
 
 }  // namespace
+
+std::string cells_text(const Index3& n) {
+  unsigned __int128 cells = 1;
+  for (const int64_t along : n) cells *= static_cast<unsigned __int128>(along);
+  return fmt::format("{} = {}", size_text(n), fmt::group_digits(cells));
+}
+
+std::string size_text(const Index3& n) {
+  return fmt::format("{} x {} x {}", fmt::group_digits(n[0]), fmt::group_digits(n[1]), fmt::group_digits(n[2]));
+}
 
 std::string overlaps_text(const Report& report) {
   if (!report.overlaps || report.overlaps->list.empty()) return "";
   const OverlapReport& most = report.overlaps->list[0];
   const uint64_t more = report.overlaps->pairs - 1;
-  return fmt::format("{} and {} have {} cell{} in common, {}{}", most.bodies[0], most.bodies[1], most.cells, most.cells == 1 ? "" : "s",
-                     most.owner ? "owned by " + *most.owner : "some of them owned by a third body",
+  return fmt::format("{} and {} have {} cell{} in common, {}{}", most.bodies[0], most.bodies[1], fmt::group_digits(most.cells),
+                     most.cells == 1 ? "" : "s", most.owner ? "owned by " + *most.owner : "some of them owned by a third body",
                      more == 0 ? "" : fmt::format("; {} overlap{} too", plural(more, "more pair"), more == 1 ? "s" : ""));
 }
 
@@ -40,8 +50,7 @@ void say_grid(const std::string& output, const mesher::MeshReport& report) {
   constexpr size_t kShown = 50;
   const GridReader reader(output);
   const Index3 n = reader.meta().grid.cells();
-  say(fmt::format("{}: {} x {} x {} = {} cells in {:.2f} s, {}, {} of memory, rays along {}", output, n[0], n[1], n[2],
-                  number_text(static_cast<double>(n[0]) * static_cast<double>(n[1]) * static_cast<double>(n[2]), 4), report.run.seconds(),
+  say(fmt::format("{}: {} cells in {:.2f} s, {}, {} of memory, rays along {}", output, cells_text(n), report.run.seconds(),
                   bytes_text(reader.file_bytes()), bytes_text(static_cast<double>(report.run.peak_memory_bytes)), axis_name(reader.meta().ray_axis)));
   if (const std::string longest = longest_text(report.scene, n); !longest.empty()) say("cells: " + longest);
   if (const std::string overlaps = overlaps_text(report.report); !overlaps.empty()) say("overlaps: " + overlaps);

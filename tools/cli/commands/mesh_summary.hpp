@@ -5,6 +5,8 @@
 
 namespace teracell::cli {
 
+std::string size_text(const Index3& cells);   // "1,200 x 30 x 4"
+std::string cells_text(const Index3& cells);  // "1,200 x 30 x 4 = 144,000"
 // In one line, without a line feed; empty when there are none.
 std::string overlaps_text(const Report& report);
 void say_grid(const std::string& output, const mesher::MeshReport& report);  // in short, with warnings

@@ -28,12 +28,12 @@ void run(const RenderArguments& o) {
   if (format.empty()) throw UsageError(fmt::format("--output: expected a name that ends in .png, .jpg or .jpeg, found '{}'", o.output));
   refuse_overwriting({o.grid.name}, o.output);
   const GridReader reader = open_grid(o.grid, std::make_shared<KeptChunks>(kChunksKept));
+  const Wanted wanted = until_interrupted(o.output);
   const auto given = [&](std::string_view name) -> const std::string* {
     const auto it = o.words.find(name);
     return it == o.words.end() ? nullptr : &it->second;
   };
-  const server::RenderOptions options = server::parse_render_options(given, reader.meta(), "--");
-  const Wanted wanted = until_interrupted(o.output);
+  const server::RenderOptions options = server::parse_render_options(given, reader, "--");
   OutputFile file(o.output);
   ProgressLine line(o.progress, "");
   const server::Picture3D picture = render(reader, options, threads_or_all(o.threads), [&](double share) { line("render", share); });

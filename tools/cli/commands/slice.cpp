@@ -32,12 +32,7 @@ SliceView view_of(const SliceArguments& o, const Metadata& meta) {
     throw UsageError(fmt::format("--index, --at: expected one of them, found {}", o.at ? "both" : "neither"));
   check_level(meta.grid, o.level);
   int64_t index = o.index.value_or(0);
-  if (o.at) {
-    const Axis& a = meta.grid.axis[axis];
-    if (!(*o.at >= a.min() && *o.at <= a.max()))
-      throw UsageError(fmt::format("--at: expected {} to {} {} along {}, found {}", a.min(), a.max(), meta.units, o.axis, *o.at));
-    index = a.cell_at(*o.at) >> o.level;
-  }
+  if (o.at) index = cell_of(*o.at, meta, axis, "--at") >> o.level;
   if (const int64_t cells = meta.grid.cells(o.level)[axis]; index < 0 || index >= cells)
     throw UsageError(fmt::format("--index: expected 0 to {} along {} on level {}, found {}", cells - 1, o.axis, o.level, index));
   SliceView view = whole_slice(meta, axis, index, o.level);

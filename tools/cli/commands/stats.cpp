@@ -38,12 +38,12 @@ Rows bodies_of(const Metadata& meta) {
 void print(const Metadata& meta, const Rows& rows, const std::vector<CellStats>& stats) {
   size_t width = rows.head.size();
   for (const std::string& name : rows.names) width = std::max(width, name.size());
-  say(fmt::format("{:>3}  {:<{}} {:>20} {:>16}   box of cells", "id", rows.head, width, "cells", fmt::format("volume {}³", meta.units)));
+  say(fmt::format("{:>3}  {:<{}} {:>20} {:>16}   box of cells", "id", rows.head, width, "cells", fmt::format("volume, {}³", meta.units)));
   for (size_t i = 0; i < stats.size(); ++i) {
     const CellStats& s = stats[i];
     const auto& [lo, hi] = s.box;
     const std::string where = s.cells == 0 ? "-" : fmt::format("({}, {}, {}) to ({}, {}, {})", lo[0], lo[1], lo[2], hi[0], hi[1], hi[2]);
-    say(fmt::format("{:>3}  {:<{}} {:>20} {:>16}   {}", i, rows.names[i], width, s.cells, number_text(s.volume, 8), where));
+    say(fmt::format("{:>3}  {:<{}} {:>20} {:>16}   {}", i, rows.names[i], width, fmt::group_digits(s.cells), number_text(s.volume, 8), where));
   }
 }
 

@@ -7,10 +7,12 @@
 #include <set>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "store/base/error.hpp"
 #include "store/read/stats.hpp"
 #include "tools/export/openfoam/case_folder.hpp"
+#include "tools/export/openfoam/dictionaries.hpp"
 #include "tools/export/openfoam/mesh_writer.hpp"
 #include "tools/export/solvers.hpp"
 
@@ -126,6 +128,10 @@ void write_case(const Export& asked) {
   names.addressing = e.has("--ranks") && fits_labels(counts.points, counts.cells, counts.all_faces());
   write_mesh(division, counts, names, {[&](uint32_t part) { return folder.mesh(part); }, scale}, share(0.25, 1));
   folder.commit();
+  const std::vector<std::string> written = write_dictionaries(e.output, e.has("--ranks") ? std::optional(ranks) : std::nullopt);
+  if (!written.empty())
+    e.tell(fmt::format("{}: {} {} written for checkMesh and laplacianFoam, and yours to change", e.output.string(), fmt::join(written, ", "),
+                       written.size() == 1 ? "is" : "are"));
 }
 
 }  // namespace

@@ -1,0 +1,15 @@
+// The dictionaries in `system` without which no program of OpenFOAM begins: those that a case lacks, for a first run.
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace teracell::exports::foam {
+
+// Writes controlDict, fvSchemes, fvSolution and, for a mesh in parts, decomposeParDict, but no file that is there already. Returns the names of
+// those that were written, within the case. Throws IoError.
+std::vector<std::string> write_dictionaries(const std::filesystem::path& folder, std::optional<uint32_t> parts);
+
+}  // namespace teracell::exports::foam
