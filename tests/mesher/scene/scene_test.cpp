@@ -426,7 +426,8 @@ TEST_CASE("A report shows no folder of the machine: what the scene names, what l
   CHECK(mesh_shown("/home/me/hull.stl", "/home/me/models") == "hull.stl");
   CHECK(mesh_shown(here + "/models/hull.stl", "models") == "hull.stl");
   CHECK(mesh_shown(here + "/hull.stl", "") == "hull.stl");
-  const Scene scene = parse_scene(R"({"materials": {"a": {}}, "bodies": [{"mesh": "/home/me/models/parts/hull.stl", "material": "a"}]})", "/home/me/models");
+  const Scene scene =
+      parse_scene(R"({"materials": {"a": {}}, "bodies": [{"mesh": "/home/me/models/parts/hull.stl", "material": "a"}]})", "/home/me/models");
   CHECK(scene.bodies[0].mesh == "/home/me/models/parts/hull.stl");
   CHECK(normalised(scene).find("/home") == std::string::npos);
   const Scene bare = bare_scene({"/home/me/a.stl", "b/c.stl"});

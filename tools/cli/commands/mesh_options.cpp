@@ -10,7 +10,6 @@
 
 #include "mesher/bodies/caps_file.hpp"
 #include "mesher/engines/engines.hpp"
-#include "mesher/run/checkpoint.hpp"
 #include "store/base/error.hpp"
 #include "store/base/output_file.hpp"
 
@@ -189,7 +188,7 @@ mesher::MeshOptions mesh_options(const MeshArguments& o, int share) {
 
 void warn_of_leftovers(const MeshArguments& o, const std::filesystem::path& file) {
   if (o.resume || !left_behind(file)) return;
-  const bool could_resume = std::filesystem::exists(mesher::checkpoint_path(file));
+  const bool could_resume = std::filesystem::exists(file.string() + ".resume");
   warn(fmt::format("warning: {}.partial is thrown away: a killed run has left it{}", file.string(),
                    could_resume ? ", and --resume would go on with it" : ""));
 }
