@@ -2,8 +2,8 @@
 #pragma once
 #include <functional>
 
-#include "store/check/check.hpp"
 #include "store/check/components.hpp"
+#include "store/check/options.hpp"
 #include "store/check/thickness.hpp"
 
 namespace teracell::inline store {

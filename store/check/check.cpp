@@ -90,6 +90,7 @@ class Sentences {
 Findings check(const GridReader& reader, const CheckOptions& options, const std::function<void(double)>& progress) {
   Findings out;
   out.hash = reader.hash();
+  out.cells_hash = reader.cells_hash();
   add_reported(out, reader.report(), reader.meta());
   Sentences(reader, options, out).add(look_at_cells(reader, options, progress));
   std::ranges::stable_sort(out.list, {}, [](const Finding& f) { return std::pair(f.level, f.kind); });

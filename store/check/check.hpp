@@ -4,18 +4,13 @@
 #include <functional>
 
 #include "store/check/finding.hpp"
+#include "store/check/options.hpp"
 #include "store/read/reader.hpp"
 
 namespace teracell::inline store {
 
 // Bytes of chunks that a reader should keep for it: those of three rows of chunks are used again.
 inline constexpr size_t kCheckKeeps = size_t{160} << 20;
-
-struct CheckOptions {
-  int threads = 1;
-  double thin_cells = 3;    // walls that are thinner are found; 0: none
-  double narrow_cells = 0;  // gaps of the background that are narrower are found; 0: none
-};
 
 // `progress` is called with the share of the rays that are done; what it throws ends the work.
 Findings check(const GridReader& reader, const CheckOptions& options, const std::function<void(double share)>& progress);

@@ -58,7 +58,7 @@ class Thickness {
   std::vector<Stretch> doubtful_, block_;
   std::vector<uint32_t> changes_;
   std::vector<uint8_t> one_, turned_, other_;  // squared distances in a block of cells
-  std::vector<uint8_t> centres_;               // the thickness that its cells, and then its corners, allow
+  std::vector<uint8_t> centres_;  // the thickness that its cells, and then its corners, allow
   std::vector<ThinRun> out_;
 };
 

@@ -54,7 +54,6 @@ Findings check_grid(const GridArgument& grid, const std::filesystem::path& outpu
   {
     ProgressLine line(progress, "");
     findings = check(reader, options, [&](double share) { line("check", share); });
-    findings.cells_hash = reader.cells_hash();
   }
   if (file) {
     const std::string json = findings_json(findings) + "\n";
