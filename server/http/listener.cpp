@@ -159,10 +159,10 @@ Awaitable<void> Listener::State::accept_one(Loop& loop) {
   const std::shared_ptr<Client> client = shared.clients.at(address);
   const bool share_is_taken = !proxy && client->connections >= o.max_connections_per_client && m.connections >= o.max_connections / 2;
   const bool room = share_is_taken ? make_room_of(client) : m.connections < o.max_connections || make_room();
+  if (!room) m.refused.fetch_add(1);
   if (room) serve_connection(loop, std::move(socket), {client, proxy, false, Counted(m.connections), Counted(client->connections)});
-  if (room) co_return;
-  m.refused.fetch_add(1);
-  if (shared.refused < ListenerOptions::kMostRefused) serve_connection(loop, std::move(socket), {client, proxy, true, Counted(shared.refused), {}});
+  else if (shared.refused < ListenerOptions::kMostRefused)
+    serve_connection(loop, std::move(socket), {client, proxy, true, Counted(shared.refused), {}});
 }
 
 // Returns whether some connection was idle. It is closed a moment later.

@@ -3,6 +3,7 @@
 #include <functional>
 
 #include "store/check/components.hpp"
+#include "store/check/finding.hpp"
 #include "store/check/options.hpp"
 #include "store/check/thickness.hpp"
 

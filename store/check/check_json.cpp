@@ -110,7 +110,7 @@ GridHashes hashes_in(std::string_view json) {
   const auto take = [&](std::string_view before) {
     if (!json.starts_with(before)) return std::string();
     json.remove_prefix(before.size());
-    const std::string hash(json.substr(0, json.find('"')));
+    std::string hash(json.substr(0, json.find('"')));
     json.remove_prefix(hash.size());
     return hash;
   };

@@ -36,9 +36,10 @@ const std::vector<Beside>& rays_within_depth() {
 }
 
 // The rays near a ray, the nearest first, by how far this one lies beyond every third ray along u and v. First those of every third row and column.
-const std::array<std::vector<Beside>, 2>& rays_near(uint32_t ray_u, uint32_t ray_v) {
+using BothNear = std::array<std::vector<Beside>, 2>;
+const BothNear& rays_near(uint32_t ray_u, uint32_t ray_v) {
   static const auto out = [] {
-    std::array<std::array<std::vector<Beside>, 2>, kLattice * kLattice> all;
+    std::array<BothNear, size_t{kLattice} * kLattice> all;
     for (int i = 0; i < kLattice * kLattice; ++i)
       for (int v = -7; v <= 7; ++v)
         for (int u = -7; u <= 7; ++u) {
@@ -112,13 +113,15 @@ const std::vector<Centre>& centres_near() {
 // The part of the block that is in use: so many positions along v, u and w, of the corners.
 using Extent = std::array<int, 3>;
 
+constexpr ptrdiff_t position(int v, int u, int w) { return ptrdiff_t{v} * kPlane + ptrdiff_t{u} * kRow + w; }
+
 // One axis of the distance to the nearest cell outside (P. Felzenszwalb, D. Huttenlocher, 2012), of which no more than 4.5 cells matter: each value
 // becomes the least of those around it and their squared distance along the axis. `corner`: from cells to the corners before and after them.
 void along(size_t axis, bool corner, const Extent& size, const std::vector<uint8_t>& in, std::vector<uint8_t>& out) {
-  constexpr std::array<int, 3> kStep{kPlane, kRow, 1};
+  constexpr std::array<ptrdiff_t, 3> kStep{kPlane, kRow, 1};
   for (int v = 0; v < size[0]; ++v)
     for (int u = 0; u < size[1]; ++u) {
-      const int first = v * kPlane + u * kRow;
+      const ptrdiff_t first = position(v, u, 0);
       uint8_t* const to = out.data() + first;
       std::fill_n(to, size[2], kFar);
       for (int t = corner ? -5 : -4; t <= 4; ++t) {
@@ -297,12 +300,12 @@ void Thickness::measure(const RayBlock& rays, std::span<const Stretch> block, In
     return std::pair(static_cast<int>(std::clamp<int64_t>(-origin[d], within, extent[d])),
                      static_cast<int>(std::clamp<int64_t>(size[d] + more - origin[d], 0, extent[d] - within)));
   };
-  const auto at = [](int pv, int pu, int pw) { return static_cast<size_t>(pv * kPlane + pu * kRow + pw); };
+  const auto at = [](int pv, int pu, int pw) { return static_cast<size_t>(position(pv, pu, pw)); };
   const auto fill = [&](std::vector<uint8_t>& values, size_t first, uint8_t value) {
     for (int pv = 0; pv < extent[0]; ++pv)
       for (int pu = 0; pu < extent[1]; ++pu) std::fill_n(values.begin() + static_cast<ptrdiff_t>(first + at(pv, pu, 0)), extent[2], value);
   };
-  one_.resize(kBlock), turned_.resize(kBlock), other_.resize(kBlock), centres_.resize(2 * kBlock);
+  one_.resize(kBlock), turned_.resize(kBlock), other_.resize(kBlock), centres_.resize(size_t{2} * kBlock);
   fill(one_, 0, kFar), fill(centres_, 0, 0), fill(centres_, kBlock, 0);
   const auto [v0, v1] = inside(0, 0, 0);
   const auto [u0, u1] = inside(1, 0, 0);
