@@ -19,12 +19,13 @@ constexpr auto kPause = std::chrono::milliseconds(250);  // after a connection c
 bool make_room_of(const std::shared_ptr<Client>& client) {
   const std::lock_guard lock(client->mutex);
   if (client->giving_way >= client->idle.size()) return false;
-  Loop& loop = **std::next(client->idle.begin(), static_cast<ptrdiff_t>(client->giving_way++));
+  Loop& loop = **std::next(client->idle.begin(), static_cast<ptrdiff_t>(client->giving_way));
   asio::post(loop.io, [&loop, client] {
     loop.drop_idlest(client.get());
     const std::lock_guard again(client->mutex);
     --client->giving_way;
   });
+  ++client->giving_way;  // only now: post() may have no memory
   return true;
 }
 
