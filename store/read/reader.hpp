@@ -48,8 +48,8 @@ class GridReader {
   uint64_t file_bytes() const { return source_->size(); }
   std::string version() const { return std::to_string(kFormatMajor) + "." + std::to_string(minor_); }  // of the file's format
   std::string hash() const;    // of the content, 32 hex digits
-  // The same for all files with these chunks of level 0, this report and these names, wherever their frames lie. Reads the index when it is first
-// asked.
+  // The same for all files with these chunks of level 0, this report and these names, wherever their frames lie. Asked for the first time, it reads
+  // the index of level 0.
   std::string cells_hash() const;
   std::string report() const;  // JSON that check_json() has passed
   void append_report(std::string& text) const;
