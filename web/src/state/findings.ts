@@ -14,7 +14,7 @@ export const ALL: Focus = { body: "", kind: null, finding: null };
 
 const NAMES: Record<Kind, string> = {
   empty: "no cells", winding: "opposite facets", cap: "hole", seam: "seam", overlap: "overlap", lost_stretch: "lost part", lost_gap: "lost gap",
-  thin: "thin wall", island: "island", enclosed: "enclosed", cut: "cut",
+  thin: "thin wall", narrow: "narrow gap", island: "island", enclosed: "enclosed", cut: "cut",
 };
 
 // The one that is looked at, then the worst of each kind, then the next of each.
