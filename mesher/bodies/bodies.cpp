@@ -10,7 +10,6 @@
 #include "mesher/closing/lengths.hpp"
 #include "mesher/scene/placement.hpp"
 #include "mesher/surface/area.hpp"
-#include "mesher/surface/read_facets.hpp"
 #include "store/base/error.hpp"
 
 namespace teracell::mesher {
@@ -115,7 +114,12 @@ class BodyReader {
                                  take(b, layer, facets);
                                  progress(static_cast<double>(b) / static_cast<double>(scene_.bodies.size()));
                                },
-                               {budget_, out_.helper.get(), [&](uint64_t facets) { make_room(facets); }, [&](uint32_t patch) { patch_ = patch; }});
+                               {.budget = budget_,
+                                .units = scene_.units,
+                                .kept = out_.kept.get(),
+                                .helper = out_.helper.get(),
+                                .expect = [&](uint64_t facets) { make_room(facets); },
+                                .enter_patch = [&](uint32_t patch) { patch_ = patch; }});
       if (!found.file.regular) once_.push_back(b);
       if (!out_.in_memory) expect_files();
       batch_.pieces.push_back({b, {}, 0, true, 0});
@@ -255,6 +259,7 @@ void close_bodies(const Scene& scene, const Grid& grid, const Budget& budget, Bo
     const Surface surface = {[&](const auto& f) { for_each_facet(body, found, bodies, budget, f); },
                              found.file.facets,
                              found.file.float32,
+                             found.file.units,
                              bodies.in_memory,
                              found.boundary,
                              found.opposites};
@@ -295,8 +300,9 @@ void for_each_placed(const Scene& scene, const Bodies& bodies, const Budget& bud
 }
 
 void read_again(const SceneBody& body, const BodyFacets& found, const Budget& budget, const FacetSink& sink,
-                const std::function<void(uint32_t)>& enter_patch) {
-  const SurfaceFile file = read_facets(body.mesh, body.part, sink, {.budget = budget, .enter_patch = enter_patch});
+                const std::function<void(uint32_t)>& enter_patch, KeptTree* kept) {
+  const SurfaceFile file =
+      read_facets(body.mesh, body.part, sink, {.budget = budget, .units = found.file.units, .kept = kept, .enter_patch = enter_patch});
   if (file.hash != found.file.hash)
     throw InputError(
         fmt::format("{}: the file changed while it was meshed: its hash was {} and is {} now", body.mesh.string(), found.file.hash, file.hash));

@@ -6,6 +6,7 @@
 #include "mesher/closing/closing.hpp"
 #include "mesher/closing/surface_counts.hpp"
 #include "mesher/compose/compose.hpp"
+#include "mesher/surface/read_facets.hpp"
 #include "mesher/tiles/facet_store.hpp"
 #include "store/base/background.hpp"
 #include "store/base/spill.hpp"
@@ -31,6 +32,7 @@ struct Bodies {
   std::vector<BodyFacets> bodies;
   Vec3 lo, hi;  // the box of all vertices, as the grid sees them
   Vec3 area{};  // of the facets' projections along x, y, z
+  std::unique_ptr<KeptTree> kept = std::make_unique<KeptTree>();  // for bodies that take parts of the same file; for one thread
 
   // What the surfaces in memory are made of decides no cell: it is counted beside the work, from the files' coordinates.
   std::shared_ptr<std::vector<SurfaceCounts>> counts = std::make_shared<std::vector<SurfaceCounts>>();
@@ -57,6 +59,6 @@ void for_each_placed(const Scene& scene, const Bodies& bodies, const Budget& bud
 // Reads a body's file once more. Throws InputError when the file has changed.
 void read_again(
     const SceneBody& body, const BodyFacets& found, const Budget& budget, const FacetSink& sink,
-    const std::function<void(uint32_t)>& enter_patch = [](uint32_t) {});
+    const std::function<void(uint32_t)>& enter_patch = [](uint32_t) {}, KeptTree* kept = nullptr);
 
 }  // namespace teracell::mesher

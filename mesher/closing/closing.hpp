@@ -61,6 +61,7 @@ struct Surface {
   FacetPass facets;       // in the file's order
   uint64_t count;
   bool float32;
+  std::string units;      // that the coordinates of a file with a unit of its own are in
   bool in_memory;         // so a pass is cheap
   BoundaryProof boundary;
   bool opposites;         // a sample of the facets holds facets that lie on each other with opposite orientation

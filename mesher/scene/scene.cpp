@@ -124,12 +124,6 @@ void check_options(const GridOptions& o) {
 
 }  // namespace
 
-Vec3 transform(const Matrix& m, const Vec3& p) {
-  Vec3 q;
-  for (size_t r = 0; r < 3; ++r) q[r] = ((m[4 * r] * p[0] + m[4 * r + 1] * p[1]) + m[4 * r + 2] * p[2]) + m[4 * r + 3];
-  return q;
-}
-
 Matrix rotation(const Vec3& axis, double degrees) {
   // k is the unit vector. Dividing by the largest component first makes it exact along a grid axis and avoids overflow.
   const double largest = std::max({std::abs(axis[0]), std::abs(axis[1]), std::abs(axis[2])});

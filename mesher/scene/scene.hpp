@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "mesher/surface/matrix.hpp"
 #include "store/grid/report.hpp"
 
 namespace teracell::mesher {
@@ -24,11 +25,6 @@ struct Closing {
   bool up = false;  // towards greater coordinates; for kExtrude
   friend bool operator==(const Closing&, const Closing&) = default;
 };
-
-// p' = M p + t. Each row m0 m1 m2 t is evaluated as ((m0 x + m1 y) + m2 z) + t, with one rounding per operation. Stored row by row.
-using Matrix = std::array<double, 12>;
-inline constexpr Matrix kIdentity = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
-Vec3 transform(const Matrix& m, const Vec3& p);
 
 // A right-handed rotation about an axis of any length but zero. Quarter turns have exact sines and cosines, so about an axis
 // of the grid their entries are 0, 1 and -1. Other angles use only +, -, *, / and sqrt, which give the same bits on every

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "mesher/surface/units.hpp"
 #include "store/grid/grid.hpp"
 
 namespace teracell::mesher {
@@ -24,7 +25,10 @@ struct SurfaceFile {
   uint64_t facets = 0;              // passed to the sink
   bool float32 = true;              // the file declares the vertices passed to the sink as float32
   bool regular = true;              // the file can be read again: it is no pipe and no device
-  // Names of STL solids, or of OBJ groups and objects, in the file's order, not only those that match; up to some megabytes.
+  std::string unit;                 // that the file states: m, cm, mm, um, nm, in or ft; empty when it states none
+  Factor factor;                    // by which coordinates and translations were multiplied
+  std::string units;                // that ReadOptions asked for
+  // Paths of the parts of an assembly; names of STL solids, or of OBJ groups and objects, in the file's order, not only those that match; up to some megabytes.
   std::vector<std::string> parts;
   // Names of the patches that facets passed to the sink belong to, in the order of their first facets; "" where none is named.
   std::vector<std::string> patches;

@@ -40,7 +40,7 @@ Input::Input(const std::filesystem::path& path) : name_(path.string()) {
   }
 }
 
-Input::Input(std::string name, std::string_view bytes) : name_(std::move(name)), memory_(bytes), size_(bytes.size()) { begin(); }
+Input::Input(std::string name, std::string_view bytes) : name_(std::move(name)), memory_(bytes), whole_memory_(bytes), size_(bytes.size()) { begin(); }
 
 Input::~Input() {
   if (descriptor_ >= 0) close(descriptor_);
@@ -167,6 +167,17 @@ bool Input::next_line(std::string_view& line) {
   ++line_;
   if (line.ends_with('\r')) line.remove_suffix(1);
   return true;
+}
+
+Descriptor Input::plain_file() const {
+  if (descriptor_ < 0 || !regular_ || inflate_) return Descriptor();
+  Descriptor copy(fcntl(descriptor_, F_DUPFD_CLOEXEC, 0));
+  if (const int error = errno; !copy) throw IoError(fmt::format("{}: can't be opened once more: {}", name_, std::strerror(error)), error);
+  return copy;
+}
+
+std::optional<std::string_view> Input::plain_memory() const {
+  return descriptor_ >= 0 || inflate_ ? std::nullopt : std::optional(whole_memory_);
 }
 
 std::string Input::at_line() const { return fmt::format("{}: line {}", name_, line_); }

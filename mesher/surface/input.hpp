@@ -13,6 +13,8 @@
 #include <string_view>
 #include <vector>
 
+#include "store/base/descriptor.hpp"
+
 struct XXH3_state_s;
 struct z_stream_s;
 
@@ -65,6 +67,11 @@ class Input {
   std::string at_byte(uint64_t offset) const;
   std::string at_byte() const { return at_byte(offset()); }
 
+  // A plain file as the system knows it, to be read at any place; none for what is compressed, comes through a pipe or lies in memory.
+  Descriptor plain_file() const;
+  // The bytes in memory, if they aren't compressed.
+  std::optional<std::string_view> plain_memory() const;
+
   // Of the file on disk; complete once window(1) is empty.
   uint64_t bytes_on_disk() const { return disk_bytes_; }
   std::string hash() const;  // XXH3-128 as 32 hex digits, as xxhsum prints it
@@ -84,6 +91,7 @@ class Input {
   std::string name_;
   int descriptor_ = -1;      // of the file, or
   std::string_view memory_;  // the rest of the bytes in memory
+  std::string_view whole_memory_;
   bool regular_ = true;
   std::optional<uint64_t> size_;
   uint64_t disk_bytes_ = 0;

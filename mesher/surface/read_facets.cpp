@@ -70,20 +70,58 @@ const SurfaceReader& reader_of(Input& input) {
   throw InputError(fmt::format("{}: not a surface file: expected {}, found {}", input.name(), known_formats(), shown(head.bytes.substr(0, 64))));
 }
 
+// `file` has the bytes of files beside this one, and their hashes, one after another: then the hash is that of the list of hashes.
+void describe(const Input& input, const std::string& units, SurfaceFile& file) {
+  file.bytes += input.bytes_on_disk();
+  const std::string list = input.hash() + file.hash;
+  file.hash = file.hash.empty() ? list : Input("", list).hash();
+  file.regular = input.regular();
+  file.units = units;
+}
+
+SurfaceFile read_parts(KeptTree& kept, const std::string& part, const FacetSink& sink, const ReadOptions& options) {
+  SurfaceFile file = kept.file;
+  const PartGlob glob(part);
+  FacetStream out(glob, sink, options.enter_patch);
+  out.add_parts(*kept.tree, file);
+  out.finish(kept.tree->name(), file);
+  return file;
+}
+
 }  // namespace
 
+void KeptTree::open(Input& input, const SurfaceReader& reader, const ReadOptions& options) {
+  *this = {};
+  tree = std::make_unique<PartTree>(reader.open(input, file, options));
+  describe(input, options.units, file);
+  name = input.name(), units = options.units;
+}
+
+bool KeptTree::open(Input& input, const ReadOptions& options) {
+  const SurfaceReader& reader = reader_of(input);
+  if (reader.open) open(input, reader, options);
+  return reader.open;
+}
+
 SurfaceFile read_facets(Input& input, const std::string& part, const FacetSink& sink, const ReadOptions& options) {
+  const SurfaceReader& reader = reader_of(input);
+  if (reader.open) {
+    KeptTree here, &kept = options.kept ? *options.kept : here;
+    kept.open(input, reader, options);
+    return read_parts(kept, part, sink, options);
+  }
   SurfaceFile file;
-  FacetStream out(part, sink, options.enter_patch);
-  reader_of(input).read(input, out, file, options);
+  const PartGlob glob(part);
+  FacetStream out(glob, sink, options.enter_patch);
+  reader.read(input, out, file, options);
   out.finish(input.name(), file);
-  file.bytes = input.bytes_on_disk();
-  file.hash = input.hash();
-  file.regular = input.regular();
+  describe(input, options.units, file);
   return file;
 }
 
 SurfaceFile read_facets(const std::filesystem::path& path, const std::string& part, const FacetSink& sink, const ReadOptions& options) {
+  if (options.kept && options.kept->tree && options.kept->name == path.string() && options.kept->units == options.units)
+    return read_parts(*options.kept, part, sink, options);
   Input input(path);
   return read_facets(input, part, sink, options);
 }

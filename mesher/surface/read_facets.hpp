@@ -6,14 +6,27 @@
 // above 1e75, or nonzero and below 1e-75 is refused: within these limits the exact predicates neither overflow nor underflow.
 #pragma once
 #include <filesystem>
+#include <memory>
 #include <string>
 
 #include "mesher/surface/facet.hpp"
+#include "mesher/surface/part_tree.hpp"
 #include "mesher/surface/read_options.hpp"
 
 namespace teracell::mesher {
 
 class Input;
+struct SurfaceReader;
+
+// A file with a tree that was read: its parts are read again without the file. Where bodies take parts of one file, it is read once.
+struct KeptTree {
+  // Reads a file with a tree. Returns false for one without, of which nothing is read. Throws as read_facets() does.
+  bool open(Input& input, const ReadOptions& options);
+  void open(Input& input, const SurfaceReader& reader, const ReadOptions& options);
+  std::string name, units;
+  std::unique_ptr<PartTree> tree;
+  SurfaceFile file;  // without what depends on the parts that are taken
+};
 
 // Passes the facets of `path` to `sink`: those of the parts whose names match the glob `part`, or all when it is empty. A
 // polygon becomes a fan of facets around its first vertex. Memory use is constant, except that OBJ and PLY keep their

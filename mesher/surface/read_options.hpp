@@ -3,6 +3,7 @@
 #pragma once
 #include <cstdint>
 #include <functional>
+#include <string>
 
 #include "store/base/spill.hpp"
 
@@ -12,8 +13,12 @@ class Background;
 
 namespace teracell::mesher {
 
+struct KeptTree;
+
 struct ReadOptions {
   Budget budget;                 // vertices that must be kept stay within it; others are kept on disk
+  std::string units;             // coordinates of a file that states its unit are converted to these; empty: they stay as they are
+  KeptTree* kept = nullptr;      // keeps a file with a tree for the next call
   Background* helper = nullptr;  // may do part of the parsing; it may have other jobs
   // Called before the first facet by a reader that knows about how many there are.
   std::function<void(uint64_t)> expect = [](uint64_t) {};

@@ -1,6 +1,5 @@
 #include "mesher/surface/reader.hpp"
 
-#include <fnmatch.h>
 #include <locale.h>
 #include <stdlib.h>
 
@@ -23,7 +22,7 @@ locale_t c_locale() {
 
 }  // namespace
 
-FacetStream::FacetStream(const std::string& glob, const FacetSink& sink, const std::function<void(uint32_t)>& enter_patch)
+FacetStream::FacetStream(const PartGlob& glob, const FacetSink& sink, const std::function<void(uint32_t)>& enter_patch)
     : glob_(glob), sink_(sink), enter_patch_(enter_patch) {}
 
 void FacetStream::enter_patch(std::string_view name) {
@@ -56,9 +55,24 @@ void FacetStream::begin_patch() {
 bool FacetStream::wants(std::string_view part) {
   const std::string name(part);
   if (!name.empty() && !known_parts_.contains(name)) note(name);
-  const bool wanted = glob_.empty() || fnmatch(glob_.c_str(), name.c_str(), 0) == 0;
+  const bool wanted = glob_.matches_name(name);
   matched_ |= wanted;
   return wanted;
+}
+
+void FacetStream::add_parts(PartTree& tree, SurfaceFile& file) {
+  if (tree.parts().empty()) throw InputError(fmt::format("{}: holds no facet", tree.name()));
+  matched_ = glob_.takes_all();
+  for (const Part& part : tree.parts()) note(part.path);
+  for (const uint32_t i : tree.matching(glob_)) {
+    const Part& part = tree.parts()[i];
+    matched_ = true;
+    file.float32 &= file.factor.is_one() && tree.float32(part);
+    flush();
+    patch_ = part.path;
+    limit_ = 0;
+    tree.read(part, [this]() -> Facet& { return next(); });
+  }
 }
 
 // The names are only for messages, so millions of them are not worth their memory.
@@ -92,21 +106,21 @@ void FacetStream::make_room() {
 void FacetStream::finish(const std::string& name, SurfaceFile& file) {
   flush();
   if (!matched_ && parts_.empty() && !more_parts_)
-    throw InputError(fmt::format("{}: no part matches {}: the file names no parts", name, shown(glob_)));
+    throw InputError(fmt::format("{}: no part matches {}: the file names no parts", name, shown(glob_.text())));
   if (!matched_) {
     std::vector<std::string> some;
     for (size_t i = 0; i < std::min<size_t>(parts_.size(), 8); ++i) some.push_back(shown(parts_[i]));
-    throw InputError(fmt::format("{}: no part matches {}: the file has {}{} parts: {}{}", name, shown(glob_), more_parts_ ? "more than " : "",
+    throw InputError(fmt::format("{}: no part matches {}: the file has {}{} parts: {}{}", name, shown(glob_.text()), more_parts_ ? "more than " : "",
                                  parts_.size(), fmt::join(some, ", "), more_parts_ || parts_.size() > some.size() ? ", ..." : ""));
   }
   if (facets_ == 0)
     throw InputError(fmt::format("{}: {}{}{}", name,
-                                 glob_.empty() ? "holds no facet" : fmt::format("the parts that match {} hold no facet", shown(glob_)),
+                                 glob_.takes_all() ? "holds no facet" : fmt::format("the parts that match {} hold no facet", shown(glob_.text())),
                                  warnings_.empty() ? "" : ": ", fmt::join(warnings_, ". ")));
   file.facets = facets_;
   file.parts = std::move(parts_);
   file.patches = std::move(patch_names_);
-  file.warnings = std::move(warnings_);
+  for (std::string& w : warnings_) file.warnings.push_back(std::move(w));
 }
 
 std::string shown(std::string_view text) {

@@ -12,20 +12,25 @@
 
 #include "mesher/surface/facet.hpp"
 #include "mesher/surface/input.hpp"
+#include "mesher/surface/part_tree.hpp"
 #include "mesher/surface/read_options.hpp"
 #include "store/text/words.hpp"
 
 namespace teracell::mesher {
 
+inline constexpr size_t kLongestPartName = 256;  // bytes; names that are longer are cut
+
 // Collects what a reader finds: facets for the sink, in batches, and the names of parts.
 class FacetStream {
  public:
   // All must outlive it.
-  FacetStream(const std::string& glob, const FacetSink& sink, const std::function<void(uint32_t)>& enter_patch);
+  FacetStream(const PartGlob& glob, const FacetSink& sink, const std::function<void(uint32_t)>& enter_patch);
   FacetStream(const FacetStream&) = delete;
 
-  // Records that the file has this part ("": the unnamed one). Returns whether its facets are wanted.
+  // Records that the file, which has no tree, has this part ("": the unnamed one). Returns whether its facets are wanted.
   bool wants(std::string_view part);
+  // The facets of the parts of a tree that are wanted, each part a patch. Sets file.float32.
+  void add_parts(PartTree& tree, SurfaceFile& file);
   // The facets that follow belong to this patch ("": to the one of the body). Names are told apart by their first bytes.
   void enter_patch(std::string_view name);
   // A new facet, which the caller fills in before the next call.
@@ -47,7 +52,7 @@ class FacetStream {
   void make_room();
   void begin_patch();
 
-  const std::string& glob_;
+  const PartGlob& glob_;
   const FacetSink& sink_;
   const std::function<void(uint32_t)>& enter_patch_;
   Facet few_[kFew];  // most files of an assembly are small
@@ -192,6 +197,8 @@ struct SurfaceReader {
   // Runs on the thread that called read_facets(), and so does the sink. Jobs for options.helper touch neither `input` nor `out`, and
   // are finished before read() returns or throws. Several threads may read different files at once.
   void (*read)(Input& input, FacetStream& out, SurfaceFile& file, const ReadOptions& options);
+  // Instead, of a format with a tree: makes the tree, and sets format, unit and factor of `file`. The rest is as above.
+  PartTree (*open)(Input& input, SurfaceFile& file, const ReadOptions& options) = nullptr;
 };
 
 // What a file is that no reader takes, such as "a STEP file", and what to do about it. Empty when the format is unknown.

@@ -9,7 +9,10 @@
   reader(kBinaryStlReader) \
   reader(kAsciiStlReader) \
   reader(kObjReader) \
-  reader(kPlyReader)
+  reader(kPlyReader) \
+  reader(kOffReader) \
+  reader(kThreeMfReader) \
+  reader(kGltfReader)
 // clang-format on
 
 namespace teracell::mesher {

@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "mesher/surface/readers.hpp"
-#include "mesher/surface/vertex_table.hpp"
+#include "mesher/surface/spill_table.hpp"
 #include "store/base/background.hpp"
 #include "store/base/error.hpp"
 #include "store/text/text.hpp"

@@ -11,7 +11,7 @@
 #include <fmt/format.h>
 
 #include "mesher/surface/readers.hpp"
-#include "mesher/surface/vertex_table.hpp"
+#include "mesher/surface/spill_table.hpp"
 #include "store/base/error.hpp"
 
 namespace teracell::mesher {

@@ -1,5 +1,5 @@
 // Vertices that don't fit into the memory given: the same facets.
-#include "mesher/surface/vertex_table.hpp"
+#include "mesher/surface/spill_table.hpp"
 
 #include "tests/support/surfaces.hpp"
 

@@ -1,5 +1,5 @@
 // Recognises files of other formats from their first bytes, so that the error can name the format and say what to do. These
-// signatures begin no STL, OBJ or PLY. A file of which a reader is sure is not checked against them.
+// signatures begin no file that a reader takes. A file of which a reader is sure is not checked against them.
 #include <algorithm>
 #include <array>
 
@@ -27,8 +27,6 @@ struct Signature {
 
 constexpr Signature kSignatures[] = {
     // surfaces and solids
-    {0, "glTF\1\0"sv, "a binary glTF file (GLB)", kExport},
-    {0, "glTF\2\0"sv, "a binary glTF file (GLB)", kExport},
     {0, "ISO-10303-21", "a STEP file", kExport},
     {0, "DBRep_DrawableShape", "an Open CASCADE BREP file", kExport},
     {0, "CASCADE Topology V", "an Open CASCADE BREP file", kExport},
@@ -126,7 +124,6 @@ std::optional<OtherKind> xml_kind(const Head& head, std::string_view start) {
 std::optional<OtherKind> json_kind(std::string_view text) {
   if (!text.starts_with('{') && !text.starts_with('[')) return {};
   const auto has = [&](std::string_view key) { return text.find(key) != std::string_view::npos; };
-  if (has("\"asset\"") && has("\"version\"")) return OtherKind{"a glTF file", kExport};
   if (has("\"bodies\"")) return OtherKind{"a scene", "give it to `teracell mesh` alone, under a name that ends in .json"};
   return OtherKind{"a JSON file", kNone};
 }
@@ -134,8 +131,6 @@ std::optional<OtherKind> json_kind(std::string_view text) {
 // Text formats whose first words are too short to be a signature by themselves.
 std::optional<OtherKind> text_kind(const Head& head, std::string_view start) {
   if (auto json = json_kind(start)) return json;
-  constexpr std::array kOff = {"OFF"sv, "COFF"sv, "NOFF"sv, "CNOFF"sv, "STOFF"sv, "4OFF"sv, "nOFF"sv};
-  if (std::ranges::find(kOff, head.word) != kOff.end()) return OtherKind{"an OFF file", kExport};
   std::string_view rest = start;
   const std::string_view first = next_word(rest), second = next_word(rest);
   if ((first == "0" && second == "SECTION") || (first == "999" && start.find("SECTION") != std::string_view::npos))
@@ -149,9 +144,8 @@ std::optional<OtherKind> text_kind(const Head& head, std::string_view start) {
 std::optional<OtherKind> zip_kind(std::string_view bytes) {
   if (!bytes.starts_with("PK\x03\x04") && !bytes.starts_with("PK\x05\x06")) return {};
   const auto has = [&](std::string_view name) { return bytes.find(name) != std::string_view::npos; };
-  if (has("3D/3dmodel.model")) return OtherKind{"a 3MF file", kExport};
   if (has("Document.xml") && has("GuiDocument.xml")) return OtherKind{"a FreeCAD document", kExport};
-  return OtherKind{"a ZIP archive (3MF, FreeCAD and USDZ files are ZIP archives, too)", "unpack it, or export the surface as one of these"};
+  return OtherKind{"a ZIP archive (FreeCAD and USDZ files are ZIP archives, too)", "unpack it, or export the surface as one of these"};
 }
 
 }  // namespace

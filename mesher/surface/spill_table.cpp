@@ -1,4 +1,4 @@
-#include "mesher/surface/vertex_table.hpp"
+#include "mesher/surface/spill_table.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -18,10 +18,12 @@ std::span<uint8_t> bytes_of(T& value) {
 
 }  // namespace
 
-VertexTable::VertexTable(const Budget& budget)
+template <class T>
+SpillTable<T>::SpillTable(const Budget& budget)
     : folder_(budget.folder), last_place_(std::bit_floor(std::max(budget.bytes / 8, kLeastBytes) / sizeof(Piece)) - 1) {}
 
-void VertexTable::begin_piece() {
+template <class T>
+void SpillTable<T>::begin_piece() {
   const uint64_t number = size_ / kPiece;
   if (number <= last_place_) places_.push_back(std::make_unique_for_overwrite<Piece>());
   Piece& place = *places_[number & last_place_];
@@ -29,20 +31,25 @@ void VertexTable::begin_piece() {
   place.number = number;
 }
 
-void VertexTable::load(uint64_t number, Piece& place) {
+template <class T>
+void SpillTable<T>::load(uint64_t number, Piece& place) {
   make_room(place);
   file_->read(number * sizeof(Piece), bytes_of(place));
-  if (place.number != number || place.checksum != checksum(bytes_of(place.vertices)))
+  if (place.number != number || place.checksum != checksum(bytes_of(place.elements)))
     throw IoError(fmt::format("{}: a temporary file has changed: its {} bytes at {} are not those that were written", folder_.string(), sizeof(Piece),
                               number * sizeof(Piece)));
 }
 
-void VertexTable::make_room(Piece& place) {
+template <class T>
+void SpillTable<T>::make_room(Piece& place) {
   if (!place.changed) return;
   if (!file_) file_.emplace(folder_, sizeof(Piece));
   place.changed = false;
-  place.checksum = checksum(bytes_of(place.vertices));
+  place.checksum = checksum(bytes_of(place.elements));
   file_->write(place.number * sizeof(Piece), bytes_of(place));
 }
+
+template class SpillTable<Vec3>;
+template class SpillTable<std::array<uint32_t, 3>>;
 
 }  // namespace teracell::mesher

@@ -1,12 +1,14 @@
-// The vertices of a surface file by number, for the readers of formats whose facets refer to vertices (OBJ, PLY).
+// The vertices of a surface file by number, for formats whose facets refer to vertices, and the triangles of a file whose facets are needed
+// more than once.
 //
-// Vertices are kept in pieces. Each piece has one place in memory, a direct-mapped cache: its number modulo the number of
+// Elements are kept in pieces. Each piece has one place in memory, a direct-mapped cache: its number modulo the number of
 // places. While there are fewer pieces than places, all stay in memory. After that, a piece is written to a temporary file
 // when another one needs its place, and is read back when it is needed. Facets mostly refer to vertices near those of the
 // facet before, so this is rare. Pieces are small to make the worst case, vertices at random, bearable: 1 to 2 µs per vertex.
 //
-// The table grows piece by piece with the vertices, not with the count in a header. Not to be shared by threads.
+// The table grows piece by piece with its elements, not with the count in a header. Not to be shared by threads.
 #pragma once
+#include <array>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -16,30 +18,31 @@
 
 namespace teracell::mesher {
 
-class VertexTable {
+template <class T>
+class SpillTable {
  public:
   // Takes at most an eighth of the budget, or kLeastBytes if that is more. Throws IoError when a temporary file is needed and the
   // folder can't hold it.
   static constexpr uint64_t kLeastBytes = uint64_t{1} << 22;
-  explicit VertexTable(const Budget& budget);
+  explicit SpillTable(const Budget& budget);
 
   uint64_t size() const { return size_; }
-  void push_back(const Vec3& v) {
+  void push_back(const T& v) {
     if (size_ % kPiece == 0) begin_piece();
     Piece& piece = piece_of(size_);
     piece.changed = true;
-    piece.vertices[size_++ % kPiece] = v;
+    piece.elements[size_++ % kPiece] = v;
   }
   // Valid until the next call. REQUIRES: i < size().
-  const Vec3& operator[](uint64_t i) { return piece_of(i).vertices[i % kPiece]; }
+  const T& operator[](uint64_t i) { return piece_of(i).elements[i % kPiece]; }
 
  private:
   static constexpr uint64_t kPiece = 256;
   struct Piece {
     uint64_t number;
-    uint64_t checksum;  // of the vertices, while it is on disk
+    uint64_t checksum;     // of the elements, while it is on disk
     bool changed = false;  // since it was written to disk
-    std::array<Vec3, kPiece> vertices;
+    std::array<T, kPiece> elements;
   };
   Piece& piece_of(uint64_t i) {
     Piece& piece = *places_[i / kPiece & last_place_];
@@ -57,5 +60,8 @@ class VertexTable {
   std::optional<SpillFile> file_;
   uint64_t size_ = 0;
 };
+
+using VertexTable = SpillTable<Vec3>;
+using TriangleTable = SpillTable<std::array<uint32_t, 3>>;  // the numbers of vertices
 
 }  // namespace teracell::mesher

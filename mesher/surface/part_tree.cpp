@@ -1,0 +1,98 @@
+#include "mesher/surface/part_tree.hpp"
+
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "mesher/surface/reader.hpp"
+#include "store/base/error.hpp"
+#include "store/text/text.hpp"
+
+namespace teracell::mesher {
+namespace {
+
+// A file of some kilobytes can describe a tree of any size, because nodes may be used more than once.
+constexpr size_t kMostParts = size_t{1} << 19, kDeepest = 64;
+constexpr uint64_t kMostPathBytes = uint64_t{1} << 26;
+
+}  // namespace
+
+uint32_t Shapes::begin_vertices(bool float32) {
+  sets_.push_back({vertices_.size(), float32});
+  return static_cast<uint32_t>(sets_.size() - 1);
+}
+
+uint32_t Shapes::begin_shape() {
+  shapes_.emplace_back();
+  return shapes() - 1;
+}
+
+void Shapes::add_triangle(uint32_t set, const std::array<uint32_t, 3>& numbers) {
+  std::vector<Stretch>& shape = shapes_.back();
+  if (shape.empty() || shape.back().set != set) shape.push_back({set, triangles_.size(), 0});
+  ++shape.back().count;
+  triangles_.push_back(numbers);
+}
+
+uint64_t Shapes::facets(uint32_t shape) const {
+  uint64_t sum = 0;
+  for (const Stretch& s : shapes_[shape]) sum += s.count;
+  return sum;
+}
+
+bool Shapes::float32(uint32_t shape) const {
+  for (const Stretch& s : shapes_[shape])
+    if (!sets_[s.set].float32) return false;
+  return true;
+}
+
+PartTree::PartTree(std::string name, Shapes&& shapes, std::vector<PartNode>&& nodes, const std::vector<PartNode::Use>& roots)
+    : name_(std::move(name)), shapes_(std::move(shapes)), nodes_(std::move(nodes)) {
+  visit(roots, "", kIdentity, 1);
+}
+
+void PartTree::visit(const std::vector<PartNode::Use>& uses, const std::string& above, const Matrix& matrix, size_t depth) {
+  if (uses.empty()) return;
+  if (depth > kDeepest)
+    throw InputError(fmt::format("{}: {}: expected at most {} levels in the tree of parts, found more: does a part contain itself?", name_,
+                                 shown(above), kDeepest));
+  std::vector<std::string> names;
+  names.reserve(uses.size());
+  for (const PartNode::Use& use : uses) names.push_back(use.name.empty() ? nodes_[use.node].name : use.name);
+  names = told_apart(std::move(names));
+  for (size_t i = 0; i < uses.size(); ++i) {
+    const PartNode& node = nodes_[uses[i].node];
+    const std::string path = path_below(above, names[i]);
+    const Matrix placed = uses[i].matrix == kIdentity ? matrix : matrix == kIdentity ? uses[i].matrix : product(matrix, uses[i].matrix);
+    if (node.shape && shapes_.facets(*node.shape) > 0) {
+      path_bytes_ += path.size();
+      if (parts_.size() == kMostParts || path_bytes_ > kMostPathBytes)
+        throw InputError(fmt::format("{}: expected at most {} parts with {} bytes of names along their paths, found more, the first of them at {}",
+                                     name_, kMostParts, kMostPathBytes, shown(path)));
+      parts_.push_back({path, uses[i].node, placed});
+    }
+    visit(node.uses, path, placed, depth + 1);
+  }
+}
+
+std::vector<uint32_t> PartTree::matching(const PartGlob& glob) {
+  std::vector<uint32_t> out;
+  if (glob.is_path()) {
+    if (by_path_.empty())
+      for (uint32_t i = 0; i < parts_.size(); ++i) by_path_.emplace(parts_[i].path, i);
+    if (const auto found = by_path_.find(glob.text()); found != by_path_.end()) return {found->second};
+  }
+  for (uint32_t i = 0; i < parts_.size(); ++i)
+    if (glob.matches(parts_[i].path)) out.push_back(i);
+  return out;
+}
+
+Vec3 PartTree::placed(const Vec3& v, const Part& part) const {
+  Vec3 p = transform(part.matrix, v);
+  for (double& x : p)
+    if (!(std::abs(x) >= 1e-75 && std::abs(x) <= 1e75))  // rare: 0 is allowed, and -0 becomes +0
+      x = checked_coordinate(x, fmt::format("{}: part {}: a vertex where the part stands", name_, shown(part.path)));
+  return p;
+}
+
+}  // namespace teracell::mesher

@@ -1,0 +1,118 @@
+// An assembly: parts at their places in a tree, and the facets of each shape once, however many parts have that shape. What a format with a
+// tree (3MF, glTF) makes of a file. Vertices and triangles that don't fit into the budget lie on disk.
+#pragma once
+#include <optional>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "mesher/surface/facet.hpp"
+#include "mesher/surface/matrix.hpp"
+#include "mesher/surface/part_path.hpp"
+#include "mesher/surface/spill_table.hpp"
+#include "mesher/surface/units.hpp"
+
+namespace teracell::mesher {
+
+// The facets of all shapes of a file, in its coordinates.
+class Shapes {
+ public:
+  explicit Shapes(const Budget& budget) : vertices_(budget), triangles_(budget) {}
+
+  // Vertices that triangles of one or more shapes name by number: those that are added until the next call.
+  uint32_t begin_vertices(bool float32);
+  void add_vertex(const Vec3& v) { vertices_.push_back(v); }
+  // The vertices of a set that are there.
+  uint64_t vertices(uint32_t set) const { return (set + 1 < sets_.size() ? sets_[set + 1].first : vertices_.size()) - sets_[set].first; }
+
+  // A new shape, to which triangles are added until the next call.
+  uint32_t begin_shape();
+  // REQUIRES: the numbers are below vertices(set).
+  void add_triangle(uint32_t set, const std::array<uint32_t, 3>& numbers);
+  uint32_t shapes() const { return static_cast<uint32_t>(shapes_.size()); }
+
+  uint64_t facets(uint32_t shape) const;
+  bool float32(uint32_t shape) const;
+  // Calls f(a, b, c) with the vertices of each facet, in the order in which they were added.
+  template <class F>
+  void for_each(uint32_t shape, F&& f) {
+    for (const Stretch& s : shapes_[shape])
+      for (uint64_t i = 0; i < s.count; ++i) {
+        const std::array<uint32_t, 3> numbers = triangles_[s.first + i];
+        const uint64_t first = sets_[s.set].first;
+        const Vec3 a = vertices_[first + numbers[0]], b = vertices_[first + numbers[1]];
+        f(a, b, vertices_[first + numbers[2]]);
+      }
+  }
+
+ private:
+  struct Set {
+    uint64_t first;
+    bool float32;
+  };
+  struct Stretch {  // of triangles of one set
+    uint32_t set;
+    uint64_t first, count;
+  };
+  VertexTable vertices_;
+  TriangleTable triangles_;
+  std::vector<Set> sets_;
+  std::vector<std::vector<Stretch>> shapes_;
+};
+
+// Something that has a name in the tree. Of a node that is used more than once, everything below it is there as often.
+struct PartNode {
+  std::string name;                       // where its use has none
+  std::string product, color, material;   // of its shape; color "#rrggbbaa"; all may be empty
+  std::optional<uint32_t> shape;
+  struct Use {
+    uint32_t node;
+    Matrix matrix = kIdentity;
+    std::string name;  // may be empty
+  };
+  std::vector<Use> uses;
+};
+
+// A leaf of the tree: where a shape stands.
+struct Part {
+  std::string path;  // as in part_path.hpp
+  uint32_t node;     // its number in PartTree::nodes(), which has a shape
+  Matrix matrix;     // all matrices along the path, the root's first
+};
+
+class PartTree {
+ public:
+  // Throws InputError for a tree without end, too many parts, too deep a tree. `name` is that of the file, for messages.
+  PartTree(std::string name, Shapes&& shapes, std::vector<PartNode>&& nodes, const std::vector<PartNode::Use>& roots);
+
+  const std::string& name() const { return name_; }
+  const std::vector<Part>& parts() const { return parts_; }  // in the order of the tree, a node before those below it
+  const PartNode& node(const Part& part) const { return nodes_[part.node]; }
+  // The parts that a body takes: their numbers in parts(), ascending.
+  std::vector<uint32_t> matching(const PartGlob& glob);
+  uint64_t facets(const Part& part) const { return shapes_.facets(*node(part).shape); }
+  bool float32(const Part& part) const { return part.matrix == kIdentity && shapes_.float32(*node(part).shape); }
+  // Sets next(), a facet, to each of its facets in turn, where it stands. Throws InputError when a vertex leaves the range of coordinates.
+  template <class Next>
+  void read(const Part& part, Next&& next) {
+    const bool moves = part.matrix != kIdentity, swaps = mirrors(part.matrix);
+    shapes_.for_each(*node(part).shape, [&](const Vec3& a, const Vec3& b, const Vec3& c) {
+      Facet& facet = next();
+      facet.vertex = {a, swaps ? c : b, swaps ? b : c};
+      if (moves)
+        for (Vec3& v : facet.vertex) v = placed(v, part);
+    });
+  }
+
+ private:
+  Vec3 placed(const Vec3& v, const Part& part) const;
+  void visit(const std::vector<PartNode::Use>& uses, const std::string& above, const Matrix& matrix, size_t depth);
+  std::string name_;
+  Shapes shapes_;
+  std::vector<PartNode> nodes_;
+  std::vector<Part> parts_;
+  uint64_t path_bytes_ = 0;
+  std::unordered_map<std::string_view, uint32_t> by_path_;  // made when it is needed
+};
+
+}  // namespace teracell::mesher
