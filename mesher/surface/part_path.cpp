@@ -95,7 +95,7 @@ bool PartGlob::matches(std::string_view path) const {
 }
 
 bool PartGlob::matches_name(const std::string& name) const {
-  return takes_all() || fits(glob_, name) || (glob_.starts_with('/') && matches(path_below("", name)));
+  return takes_all() || fits(glob_, name) || matches(path_below("", name.empty() ? kUnnamedPart : name));
 }
 
 }  // namespace teracell::mesher

@@ -6,6 +6,8 @@
 
 namespace teracell::mesher {
 
+inline constexpr const char* kUnnamedPart = "mesh 1";  // the part of a file without a tree that has no name
+
 // In a path / * ? [ \ of names are preceded by \, so that a path is also a glob that matches itself.
 std::string escaped(std::string_view name);
 // The path of a part below that of its parent; the root's is empty.

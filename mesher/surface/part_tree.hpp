@@ -92,15 +92,15 @@ class PartTree {
   std::vector<uint32_t> matching(const PartGlob& glob);
   uint64_t facets(const Part& part) const { return shapes_.facets(*node(part).shape); }
   bool float32(const Part& part) const { return part.matrix == kIdentity && shapes_.float32(*node(part).shape); }
-  // Sets next(), a facet, to each of its facets in turn, where it stands. Throws InputError when a vertex leaves the range of coordinates.
-  template <class Next>
-  void read(const Part& part, Next&& next) {
+  // Calls f(facet) with each of its facets where it stands. Throws InputError when a vertex leaves the range of coordinates.
+  template <class F>
+  void read(const Part& part, F&& f) {
     const bool moves = part.matrix != kIdentity, swaps = mirrors(part.matrix);
     shapes_.for_each(*node(part).shape, [&](const Vec3& a, const Vec3& b, const Vec3& c) {
-      Facet& facet = next();
-      facet.vertex = {a, swaps ? c : b, swaps ? b : c};
+      Facet facet{{a, swaps ? c : b, swaps ? b : c}};
       if (moves)
         for (Vec3& v : facet.vertex) v = placed(v, part);
+      f(facet);
     });
   }
 

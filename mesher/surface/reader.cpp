@@ -71,7 +71,7 @@ void FacetStream::add_parts(PartTree& tree, SurfaceFile& file) {
     flush();
     patch_ = part.path;
     limit_ = 0;
-    tree.read(part, [this]() -> Facet& { return next(); });
+    tree.read(part, [this](const Facet& facet) { next() = facet; });
   }
 }
 

@@ -1,4 +1,4 @@
-// teracell info: what a file holds.
+// teracell info: what grids, surfaces and assemblies hold.
 #include <algorithm>
 #include <cmath>
 #include <iostream>
@@ -15,13 +15,15 @@
 #include "store/grid/number_text.hpp"
 #include "store/whole/info.hpp"
 #include "tools/cli/command.hpp"
+#include "tools/cli/commands/info_surfaces.hpp"
 #include "tools/cli/commands/mesh_summary.hpp"
 
 namespace teracell::cli {
 namespace {
 
 struct InfoArguments {
-  GridArgument grid;
+  std::vector<std::string> files;
+  SourceOptions source;
   bool json = false;
 };
 
@@ -204,18 +206,29 @@ void print(const GridReader& reader) {
 }
 
 void run(const InfoArguments& o) {
-  const GridReader reader = open_grid(o.grid);
-  if (!o.json) return print(reader);
-  std::cout << info_json(reader) << "\n";
+  std::vector<std::string> surfaces;
+  for (const std::string& name : o.files)
+    if (!names_a_grid(name)) surfaces.push_back(name);
+  if (!surfaces.empty() && surfaces.size() < o.files.size())
+    throw UsageError("expected grids or surfaces, found both: ask for them one after another");
+  if (!surfaces.empty()) return print_surfaces(surfaces, o.json);
+  for (const std::string& name : o.files) {
+    const GridReader reader = open_grid({name, o.source});
+    if (o.json) std::cout << info_json(reader) << "\n";
+    else print(reader);
+  }
 }
 
 }  // namespace
 
 Run setup_info(CLI::App& app) {
   const auto o = std::make_shared<InfoArguments>();
-  add_grid(app, o->grid);
+  app.add_option("files", o->files, "grids, or surfaces and assemblies: .tcell files, addresses of grids, STL, OBJ, PLY, OFF, 3MF, glTF")
+      ->required()
+      ->type_name("FILE");
+  add_source_options(app, o->source);
   app.add_flag("--json", o->json, "as JSON");
-  app.footer("Example:\n  teracell info g.tcell");
+  app.footer("Examples:\n  teracell info g.tcell\n  teracell info assembly.3mf");
   return [o] { run(*o); };
 }
 
