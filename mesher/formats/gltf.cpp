@@ -129,6 +129,6 @@ PartTree open_gltf(Input& input, SurfaceFile& file, const ReadOptions& options) 
 
 }  // namespace
 
-const SurfaceReader kGltfReader = {"glTF", recognises_gltf, nullptr, open_gltf};
+const SurfaceReader kGltfReader = {"glTF", recognises_gltf, nullptr, open_gltf, [](Input&) { return std::string("m"); }};
 
 }  // namespace teracell::mesher

@@ -182,7 +182,7 @@ void GltfFile::parse(const std::string& text) {
   const Json rest = parse_json(text, "the JSON", kMostValues,
                                {.take = [this](const std::string& list, size_t i, const Json& element) {
                                   const std::string where = fmt::format("{}[{}]", list, i);
-                                  take(list, JsonNode(element, where));
+                                  naming(where, [&] { take(list, JsonNode(element, where)); });
                                 },
                                 .skipped = "extensions"});
   const JsonNode root(rest, "the JSON");

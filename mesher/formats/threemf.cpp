@@ -56,6 +56,15 @@ std::string model_of(const ZipPackage& package) {
   return model;
 }
 
+// The unit of a <model>.
+std::string unit_of(const XmlElement& model, const XmlReader& xml) {
+  const char* unit = model.find("unit");
+  const auto* known = std::ranges::find(kUnits, std::string_view(unit ? unit : "millimeter"), &UnitName::in_file);
+  if (known == std::end(kUnits))
+    throw InputError(fmt::format("{}: expected the unit micron, millimeter, centimeter, inch, foot or meter, found {}", xml.at_line(), shown(unit)));
+  return std::string(known->unit);
+}
+
 class ModelReader {
  public:
   ModelReader(const ZipPackage& package, const std::string& model, SurfaceFile& file, const ReadOptions& options)
@@ -121,10 +130,7 @@ class ModelReader {
   }
 
   void begin_model(const XmlElement& e) {
-    const char* unit = e.find("unit");
-    const auto* known = std::ranges::find(kUnits, std::string_view(unit ? unit : "millimeter"), &UnitName::in_file);
-    if (known == std::end(kUnits)) refuse(fmt::format("expected the unit micron, millimeter, centimeter, inch, foot or meter, found {}", shown(unit)));
-    file_.unit = known->unit;
+    file_.unit = unit_of(e, xml_);
     file_.factor = factor(file_.unit, options_.units);
     const char* required = e.find("requiredextensions");
     std::string_view prefixes = required ? required : "";
@@ -291,8 +297,23 @@ PartTree open_3mf(Input& input, SurfaceFile& file, const ReadOptions& options) {
   return ModelReader(package, model_of(package), file, options).tree();
 }
 
+std::string unit_of_3mf(Input& input) {
+  const Contents contents(input, {.folder = std::filesystem::temp_directory_path()});
+  const ZipPackage package(input.name(), contents);
+  std::string unit;
+  const std::string model = model_of(package);
+  XmlReader xml(
+      fmt::format("{}: {}", package.name(), shown(model)),
+      [&](const XmlElement& e) {
+        if (unit.empty() && e.name().ends_with("|model")) unit = unit_of(e, xml);
+      },
+      [](std::string_view) {});
+  package.read(model, [&](std::string_view text) { return xml.feed(text), unit.empty(); });
+  return unit;
+}
+
 }  // namespace
 
-const SurfaceReader kThreeMfReader = {"3MF", recognises_3mf, nullptr, open_3mf};
+const SurfaceReader kThreeMfReader = {"3MF", recognises_3mf, nullptr, open_3mf, unit_of_3mf};
 
 }  // namespace teracell::mesher

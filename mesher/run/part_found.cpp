@@ -74,6 +74,7 @@ void fields(Way& way, T& item) {
     all(item.degenerate, item.duplicates, item.opposite, item.shells);
   } else if constexpr (std::is_same_v<Item, BodyFacets>) {
     all(item.file.format, item.file.bytes, item.file.hash, item.file.facets, item.file.warnings);
+    all(item.file.unit, item.file.factor.p, item.file.factor.q);
     place(item.lo), place(item.hi);
     auto& closed = item.closed;
     all(closed.fill, closed.was_open, closed.holes, closed.flips, closed.stitch, closed.cut_from_others);

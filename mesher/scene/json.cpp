@@ -372,14 +372,23 @@ std::optional<Closing> parse_closing(std::string_view text) {
   return Closing{kExtrude, *axis, sign == '+'};
 }
 
+// What people write for each other.
+void drop_notes(Json& node) {
+  if (!node.is_structured()) return;
+  if (node.is_object())
+    if (const auto note = node.find("note"); note != node.end() && note->is_string()) node.erase(note);
+  for (Json& child : node) drop_notes(child);
+}
+
 Scene parse_scene(const std::string& json_text, const fs::path& folder) try {
-  const Json text = parse_json(json_text, "", ~size_t{0});
+  Json text = parse_json(json_text, "", ~size_t{0});
+  drop_notes(text);
   const JsonNode root(text, "the scene");
   root.check_keys({"units", "grid", "sample", "background", "materials", "bodies", "label_by"});
 
   Scene scene;
   if (const auto units = root.find("units")) {
-    units->choice({"m", "cm", "mm", "um", "nm", "in", "ft"});
+    if (!is_unit(units->text())) units->fail("m, cm, mm, um, nm, in or ft");
     scene.units = units->text();
   }
   if (const auto grid = root.find("grid")) parse_grid(*grid, folder, scene);

@@ -44,7 +44,7 @@ Head head_of(Input& input) {
   return head;
 }
 
-// "STL, OBJ or PLY": the formats in the order of the readers.
+// "STL, OBJ, PLY, OFF, 3MF or glTF": the formats in the order of the readers.
 std::string known_formats() {
   std::vector<std::string> names;
   for (const SurfaceReader* reader : kReaders)
@@ -117,6 +117,14 @@ SurfaceFile read_facets(Input& input, const std::string& part, const FacetSink& 
   out.finish(input.name(), file);
   describe(input, options.units, file);
   return file;
+}
+
+std::string stated_unit(const std::filesystem::path& path) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(path, ignored)) return "";
+  Input input(path);
+  const SurfaceReader& reader = reader_of(input);
+  return reader.unit ? reader.unit(input) : "";
 }
 
 SurfaceFile read_facets(const std::filesystem::path& path, const std::string& part, const FacetSink& sink, const ReadOptions& options) {

@@ -45,4 +45,7 @@ SurfaceFile read_facets(const std::filesystem::path& path, const std::string& pa
 // The same for a file that is already open, or for bytes in memory.
 SurfaceFile read_facets(Input& input, const std::string& part, const FacetSink& sink, const ReadOptions& options = {});
 
+// The unit that a file states: m, cm, mm, um, nm, in or ft. Empty where it states none, or is no regular file. Throws as above.
+std::string stated_unit(const std::filesystem::path& path);
+
 }  // namespace teracell::mesher

@@ -184,7 +184,7 @@ enum class Match { kNo, kPerhaps, kSure };
 
 // A format. A new format is a file that defines one of these, and a line in the table of readers.hpp.
 struct SurfaceReader {
-  const char* name;  // of the format, in messages: "expected STL, OBJ or PLY"; several readers may have the same
+  const char* name;  // of the format, in messages: "expected STL, OBJ, PLY, OFF, 3MF or glTF"; several readers may have the same
   Match (*recognises)(const Head& head);
   // Reads all of `input`, until window(1) is empty, and sets format and float32 of `file`.
   //
@@ -199,6 +199,8 @@ struct SurfaceReader {
   void (*read)(Input& input, FacetStream& out, SurfaceFile& file, const ReadOptions& options);
   // Instead, of a format with a tree: makes the tree, and sets format, unit and factor of `file`. The rest is as above.
   PartTree (*open)(Input& input, SurfaceFile& file, const ReadOptions& options) = nullptr;
+  // Of a format whose files may state a unit: the one that this file states. Reads as little as it can.
+  std::string (*unit)(Input& input) = nullptr;
 };
 
 // What a file is that no reader takes, such as "a STEP file", and what to do about it. Empty when the format is unknown.

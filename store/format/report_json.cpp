@@ -228,7 +228,9 @@ std::string write_report(const Report& report, const std::vector<std::string>& w
   out.field("crossings", report.crossings).key("warnings").raw(ascii_json(warnings)).key("inputs");
   write_list(text, report.inputs.size(), kMostOfInputs, [&](JsonWriter& writer, size_t b) {
     const InputReport& input = report.inputs[b];
-    writer.begin_object().field("path", input.path).field("format", input.format).field("bytes", input.bytes).field("hash", input.hash).end_object();
+    writer.begin_object().field("path", input.path).field("format", input.format).field("bytes", input.bytes).field("hash", input.hash);
+    if (!input.unit.empty()) writer.field("unit", input.unit).field("factor", input.factor);
+    writer.end_object();
   });
   out.key("ray_axis")
       .begin_object()
@@ -264,7 +266,8 @@ std::optional<Report> read_report(const std::string& text, const std::function<v
           else if (list == "warnings") report.warnings.push_back(j.any_text());
           else if (list == "lost_gaps") gaps.push_back({j.require("material").any_text(), axis_in(j), lost_in(j)});
           else if (list == "inputs")
-            report.inputs.push_back({j.require("path").any_text(), text_in(j, "format"), j.require("hash").any_text(), j.require("bytes").whole()});
+            report.inputs.push_back({j.require("path").any_text(), text_in(j, "format"), j.require("hash").any_text(), j.require("bytes").whole(),
+                                     text_in(j, "unit"), j.find("factor") ? j.require("factor").number() : 1});
         });
       },
       "scene"};

@@ -107,6 +107,8 @@ struct OverlapsReport {
 struct InputReport {
   std::string path, format, hash;
   uint64_t bytes = 0;
+  std::string unit;   // that the file states; empty when it states none
+  double factor = 1;  // by which its coordinates were multiplied
 };
 
 // The report in the file: only what inputs and options determine, so no times, memory or numbers of threads.

@@ -75,14 +75,15 @@ struct Result {
   std::optional<uint64_t> expected;  // facets that the reader announced
 };
 
-inline Result read(const std::string& bytes, const std::string& part = "", const Budget& budget = {}, Background* helper = nullptr) {
+inline Result read(const std::string& bytes, const std::string& part = "", const Budget& budget = {}, Background* helper = nullptr,
+                   const std::string& units = "") {
   Result r;
   mesher::Input input("mesh", bytes);
   r.file = read_facets(input, part,
                        [&](std::span<const mesher::Facet> some) {
                          for (const mesher::Facet& f : some) r.facets.push_back(f.vertex);
                        },
-                       {budget, helper, [&](uint64_t facets) {
+                       {.budget = budget, .units = units, .helper = helper, .expect = [&](uint64_t facets) {
                           if (r.expected || !r.facets.empty()) throw std::logic_error("announced late");
                           r.expected = facets;
                         }});

@@ -10,6 +10,8 @@
 
 #include "mesher/bodies/caps_file.hpp"
 #include "mesher/engines/engines.hpp"
+#include "mesher/surface/read_facets.hpp"
+#include "mesher/surface/units.hpp"
 #include "store/base/error.hpp"
 #include "store/base/output_file.hpp"
 
@@ -44,15 +46,25 @@ std::optional<mesher::Shard> parse_shard(const std::string& text) {
   return mesher::Shard{static_cast<uint32_t>(number), static_cast<uint32_t>(of)};
 }
 
+// The unit that the first of the files states which states one.
+std::string first_unit(const std::vector<std::string>& files) {
+  for (const std::string& file : files)
+    if (std::string unit = mesher::stated_unit(file); !unit.empty()) return unit;
+  return "m";
+}
+
 }  // namespace
 
 void add_mesh_options(CLI::App& app, MeshArguments& o, bool of_many) {
   app.add_option("inputs", o.inputs,
-                 "a scene (.json), or surfaces: STL, OBJ, PLY, plain or compressed by gzip; each is a body, and later ones win where they overlap")
+                 "a scene (.json), or surfaces: STL, OBJ, PLY, OFF, 3MF, glTF, plain or compressed by gzip; each is a body, and later ones win where they overlap")
       ->required();
   app.add_option("-o,--output", o.output, "the .tcell file to write")->required();
   app.add_option("--cells", o.cells,
                  "N: cubic cells, N along the longest axis with its pad, so fewer along the others; NX,NY,NZ: this many cells along each axis");
+  app.add_option("--units", o.units,
+                 "of the grid, for surfaces without a scene: m, cm, mm, um, nm, in or ft (default: the first unit that a file states, else m); files "
+                 "that state theirs are converted");
   app.add_option("--step", o.step, "the edge of a cell, in the units of the mesh");
   app.add_option("--pad", o.pad, "cells around the bodies' box (default 1)");
   app.add_option("--axis", o.axis, "the axis along which rays run: auto (the cheapest), x, y or z; the cells are the same")
@@ -105,6 +117,11 @@ mesher::Scene scene_from(const MeshArguments& o) {
   if (json && o.inputs.size() != 1)
     throw UsageError(fmt::format("expected one scene or bare meshes, found {} files with a scene among them", o.inputs.size()));
   mesher::Scene scene = json ? mesher::read_scene(o.inputs[0]) : mesher::bare_scene({o.inputs.begin(), o.inputs.end()});
+  if (!o.units.empty()) {
+    if (json) throw UsageError("--units: expected surfaces without a scene, found a scene: its units are in the file");
+    if (!mesher::is_unit(o.units)) throw UsageError(fmt::format("--units: expected m, cm, mm, um, nm, in or ft, found '{}'", o.units));
+    scene.units = o.units;
+  } else if (!json) scene.units = first_unit(o.inputs);
   if (!o.cells.empty() && o.step) throw UsageError("--cells and --step exclude each other: give one of them");
   mesher::GridOptions grid;
   if (!o.cells.empty()) {

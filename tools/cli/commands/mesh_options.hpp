@@ -7,7 +7,7 @@ namespace teracell::cli {
 
 struct MeshArguments {
   std::vector<std::string> inputs;
-  std::string output, cells, axis = "auto", fill, closing, engine = "scan", memory, tmp, caps, report, shard, fractions, progress = "auto";
+  std::string output, cells, axis = "auto", fill, closing, engine = "scan", memory, tmp, caps, report, shard, fractions, units, progress = "auto";
   std::optional<double> step, stitch;
   std::optional<int64_t> pad;
   int threads = 0;
