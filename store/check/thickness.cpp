@@ -228,20 +228,24 @@ void Thickness::find_doubtful(const Field& field) {
       });
 }
 
-// Takes what lies within `reach` cells of the cores out of what is left of a run.
+// Takes what lies within `reach` cells of the cores out of what is left of a run. The cores of a ray ascend and don't overlap, so those that come
+// before what is left are skipped by bisection: a ray may have very many runs.
 void Thickness::take_proven(std::span<const Core> cores, Label label, uint32_t reach) {
-  for (const Core& core : cores) {
-    if (core.label != label) continue;
-    const uint32_t from = core.from - std::min(core.from, reach), to = core.to + reach;
-    if (to <= left_.front().from || from >= left_.back().to) continue;
-    next_.clear();
-    for (const Interval& one : left_) {
-      if (one.from < from) next_.push_back({one.from, std::min(one.to, from)});
-      if (one.to > to) next_.push_back({std::max(one.from, to), one.to});
+  if (cores.empty() || cores.back().to + reach <= left_.front().from || cores.front().from >= left_.back().to + reach) return;
+  auto core = std::ranges::partition_point(cores, [&](const Core& c) { return c.to + reach <= left_.front().from; });
+  if (core->from >= left_.back().to + reach) return;
+  next_.clear();
+  for (Interval one : left_) {
+    for (; core != cores.end() && core->from < one.to + reach; ++core) {
+      if (core->label != label) continue;
+      const uint32_t from = core->from - std::min(core->from, reach);
+      if (one.from < from) next_.push_back({one.from, from});
+      one.from = std::max(one.from, core->to + reach);
+      if (one.from >= one.to) break;  // it may reach into the next one, too
     }
-    std::swap(left_, next_);
-    if (left_.empty()) return;
+    if (one.from < one.to) next_.push_back(one);
   }
+  std::swap(left_, next_);
 }
 
 // Stretches of one label, by where they begin. They are measured some cells at a time; where nothing changes near them, all cells along the rays are
@@ -249,20 +253,19 @@ void Thickness::take_proven(std::span<const Core> cores, Label label, uint32_t r
 void Thickness::look_at(const RayBlock& rays, std::span<Stretch> tile) {
   constexpr auto kNear = static_cast<uint32_t>(kMargin);
   find_changes(rays, tile);
+  block_.clear();
   uint32_t at = 0;  // all before are done
-  for (size_t begin = 0; begin < tile.size();) {
-    at = std::max(at, tile[begin].from);
+  for (size_t next = 0; next < tile.size() || !block_.empty();) {
+    if (block_.empty()) at = tile[next].from;
     Interval valid{at, at + kSlab};
     bool alike = false;
-    const auto next = std::ranges::lower_bound(changes_, at - std::min(at, kNear - 1));  // the change that comes next, unless it is near already
-    if (next != changes_.end() && *next > at + kNear + kSlab) alike = true, valid.to = *next - kNear;
-    block_.clear();
-    for (size_t i = begin; i < tile.size() && tile[i].from < valid.to; ++i)
-      if (tile[i].to > at) block_.push_back(tile[i]);
+    const auto change = std::ranges::lower_bound(changes_, at - std::min(at, kNear - 1));  // the one that comes next, unless it is near already
+    if (change != changes_.end() && *change > at + kNear + kSlab) alike = true, valid.to = *change - kNear;
+    for (; next < tile.size() && tile[next].from < valid.to; ++next) block_.push_back(tile[next]);
     valid.to = std::min(valid.to, std::ranges::max(block_, {}, &Stretch::to).to);
     measure(rays, block_, {at, alike ? at + 1 : valid.to}, valid);
     at = valid.to;
-    while (begin < tile.size() && tile[begin].to <= at) ++begin;
+    std::erase_if(block_, [&](const Stretch& s) { return s.to <= at; });
   }
 }
 
