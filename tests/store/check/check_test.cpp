@@ -80,6 +80,29 @@ TEST_CASE("Where the file keeps bodies apart, what is found is about bodies", "[
   CHECK(findings.walls[1].body == "cube");
 }
 
+TEST_CASE("Sheets have no walls, nor has a material that sheets alone have", "[check]") {
+  const TempFolder folder;
+  const shapes::Facets square = {{{Vec3{2, 2, 9.5}, Vec3{18, 2, 9.5}, Vec3{18, 18, 9.5}}}};
+  const oracle::Body plate{.facets = shapes::box({2, 2, 4}, {18, 18, 6}), .material = 1}, sheet{.facets = square, .material = 2, .sheet = true};
+  oracle::Body same = sheet;
+  same.facets = shapes::translate(square, {0, 0, 5}), same.material = 1;
+  const auto walls = [&](const std::vector<oracle::Body>& bodies, bool by_body) {
+    mesher::Scene scene = scene_of(folder, bodies, cube_grid(0, 20, 20));
+    scene.label_by_body = by_body;
+    mesh_quietly(scene, folder / "g.tcell");
+    const Findings findings = check(GridReader(folder / "g.tcell"), {}, [](double) {});
+    std::string out;
+    for (const WallReport& wall : findings.walls) out += fmt::format("{} {} ", wall.body, *wall.thinnest);
+    for (const Finding& f : findings.list)
+      if (f.kind == FindingKind::thin) out += f.bodies[0] + " is thin ";
+    return out;
+  };
+  CHECK(walls({plate, sheet}, true) == "body0 2 body0 is thin ");
+  CHECK(walls({plate, sheet}, false) == "m1 2 m1 is thin ");
+  CHECK(walls({plate, sheet, same}, true) == "body0 2 body0 is thin ");
+  CHECK(walls({plate, sheet, same}, false) == "m1 1 m1 is thin m1 is thin ");
+}
+
 Metadata reported_grid(const char* units) {
   Metadata meta = metadata_of(cube_grid(0, 2, 20), 0, 1);
   meta.units = units;
