@@ -42,6 +42,8 @@ class Check(ServeCase):
         self.assertFalse(os.path.exists(self.path("g.check.json")))
         self.assertTrue(os.path.exists(self.path("elsewhere.json")))
         self.refused(2, ["overwritten"], "check", "g.tcell", "-o", "g.tcell")
+        for option, value in (("--thin-cells", "9"), ("--thin-cells", "nan"), ("--narrow-cells", "nan")):
+            self.refused(2, [f"{option}: expected 0 to 8, found '{value}'"], "check", "g.tcell", option, value)
         data = bytearray(self.bytes("g.tcell"))
         data[len(data) // 3] ^= 1
         self.write("d.tcell", data)
