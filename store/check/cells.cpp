@@ -10,6 +10,8 @@
 namespace teracell::inline store {
 namespace {
 
+constexpr uint32_t kWide = 8;  // rays: in the middle of a column that is so wide a ball is 4 cells deep, and all cells beside it are near
+
 bool is_larger(const Component& a, const Component& b) { return a.cells != b.cells ? a.cells > b.cells : a.first < b.first; }
 
 // What a block tells of a label.
@@ -75,7 +77,7 @@ class BlockReader {
       if (!set || (label && *label != here_[set->front()])) return false;
       label = here_[set->front()];
     }
-    if ((*label != 0 || narrow_below_ > 0) && (nu < kThickest || nv < kThickest)) return false;
+    if ((*label != 0 || narrow_below_ > 0) && (nu < kWide || nv < kWide)) return false;
     field_.rays.fill(nu, nv, shape_.nw, *label);
     field_.column = {0, 0, nu, nv};
     return true;

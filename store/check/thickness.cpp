@@ -54,10 +54,7 @@ const BothNear& rays_near(uint32_t ray_u, uint32_t ray_v) {
 }
 
 // A run, less `reach` cells at its ends. The domain's sides are no ends.
-struct Ends {
-  uint32_t from, to;
-};
-Ends shrunk(uint32_t from, uint32_t to, int reach, uint32_t length) {
+Thickness::Interval shrunk(uint32_t from, uint32_t to, int reach, uint32_t length) {
   const auto by = static_cast<uint32_t>(reach);
   return {from == 0 ? 0 : from + by, to == length ? to : to - std::min(to, by)};
 }
@@ -179,7 +176,7 @@ std::span<const Thickness::Core> Thickness::cores_of(const RayBlock& rays, uint3
 // Keeps one interval of a run: what is lost that way is looked at cell by cell.
 void Thickness::add_core(const RayBlock& rays, uint32_t u, uint32_t v, uint32_t run, Interval cells, Label label) {
   const uint32_t ray = v * rays.nu + u;
-  Ends core = shrunk(cells.from, cells.to, root(kDeep2), rays.length);
+  Interval core = shrunk(cells.from, cells.to, root(kDeep2), rays.length);
   for (const Beside& b : rays_within_depth()) {
     if (core.from >= core.to) return;
     const int64_t other_u = int64_t{u} + b.u, other_v = int64_t{v} + b.v;
@@ -189,15 +186,15 @@ void Thickness::add_core(const RayBlock& rays, uint32_t u, uint32_t v, uint32_t 
     const auto ends = [&](size_t i) {
       return shrunk(i == 0 ? 0 : changes[i - 1], i < changes.size() ? changes[i] : rays.length, b.reach, rays.length);
     };
-    Ends best{0, 0};
+    Interval best{0, 0};
     if (rays.pattern[other] == rays.pattern[ray]) {
-      const Ends there = ends(run);
+      const Interval there = ends(run);
       best = {std::max(core.from, there.from), std::min(core.to, there.to)};
     } else {
       const std::span<const SetId> labels = rays.sets(other);
       for (size_t i = run_at(changes, core.from); i < labels.size() && (i == 0 || changes[i - 1] < core.to); ++i) {
         if (labels[i] != label) continue;
-        const Ends there = ends(i), both{std::max(core.from, there.from), std::min(core.to, there.to)};
+        const Interval there = ends(i), both{std::max(core.from, there.from), std::min(core.to, there.to)};
         if (both.from < both.to && both.to - both.from > best.to - best.from) best = both;
       }
     }
