@@ -134,7 +134,7 @@ Surface::Surface(const Export& e, Leg leg, const Room& room)
   }
   find_blocks(leg);
   if (facets_ > 0) return;
-  const std::string names = quoted_names(e.reader.meta().materials, chosen_);
+  const std::string names = chosen_names(e.reader.meta().materials, chosen_);
   throw UsageError(fmt::format("the surface would have no facet: expected cells of {} in the box, found none; --material chooses other materials",
                                names.empty() ? "a material beside the background" : names));
 }
