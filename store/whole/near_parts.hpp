@@ -1,6 +1,7 @@
 // Which parts of a partition can meet: those whose stretches of one axis do.
 #pragma once
 #include <algorithm>
+#include <array>
 #include <numeric>
 #include <vector>
 
