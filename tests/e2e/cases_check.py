@@ -61,6 +61,9 @@ class Check(ServeCase):
         self.assertEqual(packed, self.json_of("check", "p.tcell"))
         for key in ("cells_hash", "findings", "totals", "walls", "not_looked_at"):
             self.assertEqual(packed[key], found[key])
+        os.mkdir(self.path("r.check.json"))
+        self.assertRegex(self.run_ok("pack", "g.tcell", "-o", "r.tcell").err, "^warning: r.tcell does not get what was found .*r.check.json")
+        self.assertEqual(self.bytes("r.tcell"), self.bytes("p.tcell"))
         os.replace(self.path("p.tcell"), self.path("g.tcell"))  # in its place, beside what was found before
         self.assertEqual(self.served("g"), packed)
         self.scene["grid"]["cells"] = [20, 20, 21]  # other cells

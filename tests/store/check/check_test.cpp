@@ -1,6 +1,8 @@
 // The document of what is found, and the sentences in it.
 #include "store/check/check.hpp"
 
+#include <sys/resource.h>
+
 #include <numeric>
 
 #include "store/base/error.hpp"
@@ -236,6 +238,14 @@ TEST_CASE("The document beside a grid counts only for the cells that it was made
     put(changed);
     CHECK(read_kept_findings(grid, other).empty());
   }
+  put(whole);
+  CHECK(has_kept_findings(grid, other));
+  rlimit limit;
+  REQUIRE(getrlimit(RLIMIT_NOFILE, &limit) == 0);
+  const rlimit none{0, limit.rlim_max};
+  REQUIRE(setrlimit(RLIMIT_NOFILE, &none) == 0);  // no file can be opened
+  CHECK_NOTHROW(has_kept_findings(grid, other));
+  REQUIRE(setrlimit(RLIMIT_NOFILE, &limit) == 0);
   for (const char* text : {"", "{}", "nonsense", R"({"schema":1,"grid_hash":")", R"({"schema":1,"grid_hash":"","cells_hash":")"}) {
     put(text);
     CHECK(read_kept_findings(grid, reader).empty());
