@@ -72,11 +72,11 @@ std::vector<std::string> all_warnings(const Scene& scene, const Bodies& bodies, 
     if (bytes > kMostBytes) ++more;
     else out.push_back(std::move(words));
   };
-  std::set<std::pair<std::string, std::string>> said;  // of a file: once, however many bodies are in it
+  std::set<std::array<std::string, 3>> said;  // of a file: once, however many bodies are in it; a merge does not know its folder
   for (size_t b = 0; b < scene.bodies.size(); ++b) {
     const SceneBody& body = scene.bodies[b];
     for (const std::string& w : bodies.bodies[b].file.warnings)
-      if (said.insert({body.mesh_text, w}).second) warn(fmt::format("{}: {}", body.mesh_text, w));
+      if (said.insert({body.mesh_text, bodies.bodies[b].file.hash, w}).second) warn(fmt::format("{}: {}", body.mesh_text, w));
     for (const std::string& words : surface_warnings(scene, body, bodies.bodies[b], plan.meta.grid, counts[b]))
       warn(fmt::format("body '{}' {}", body.name, words));
   }

@@ -109,7 +109,7 @@ std::string PreparedRun::identity() const {
   std::string inputs;
   write_list(inputs, scene.bodies.size(), ~size_t{0}, [&](JsonWriter& writer, size_t b) {
     const SurfaceFile& file = bodies.bodies[b].file;
-    writer.begin_object().field("path", scene.bodies[b].mesh_text).field("bytes", file.bytes).field("hash", file.hash).end_object();
+    writer.begin_object().field("bytes", file.bytes).field("hash", file.hash).end_object();
   });
   nlohmann::ordered_json rest = {{"axis", axis_name(plan.meta.ray_axis)},
                                  {"axis_asked_for", plan.rays.asked_for},

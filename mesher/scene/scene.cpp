@@ -163,7 +163,7 @@ Scene bare_scene(const std::vector<std::filesystem::path>& meshes) {
     SceneBody body;
     body.name = names.numbered(mesh_stem(path));
     body.mesh = path;
-    body.mesh_text = printable(mesh_shown(path, {}));
+    body.mesh_text = printable((path.is_absolute() ? path.filename() : path).string());  // the same wherever the program runs
     body.material = id;
     scene.materials.push_back({body.name, palette_color(id)});
     scene.bodies.push_back(std::move(body));

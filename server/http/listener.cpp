@@ -159,7 +159,8 @@ Awaitable<void> Listener::State::accept_one(Loop& loop) {
   const bool proxy = std::ranges::find(o.trusted_proxies, address) != o.trusted_proxies.end();
   const std::shared_ptr<Client> client = shared.clients.at(address);
   const bool share_is_taken = !proxy && client->connections >= o.max_connections_per_client && m.connections >= o.max_connections / 2;
-  const bool room = share_is_taken ? make_room_of(client) : m.connections < o.max_connections || make_room();
+  const bool room = m.connections < o.max_connections + ListenerOptions::kMostBeyond &&
+                    (share_is_taken ? make_room_of(client) : m.connections < o.max_connections || make_room());
   if (!room) m.refused.fetch_add(1);
   if (room) serve_connection(loop, std::move(socket), {client, proxy, false, Counted(m.connections), Counted(client->connections)});
   else if (shared.refused < ListenerOptions::kMostRefused)

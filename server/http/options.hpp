@@ -23,7 +23,8 @@ struct ListenerOptions {
   // The limits per client hold while at least half of what there is for all is taken.
   // A connection that comes when all are taken, or all of its client's share, takes the place of the one among these that has been idle longest.
   // If none is idle, its request gets status 503; beyond so many of these at once, a connection is closed as soon as it is accepted.
-  static constexpr uint64_t kMostRefused = 16;
+  // What gives way is closed a moment later, and may get a request before, so there are never more than kMostBeyond connections too many.
+  static constexpr uint64_t kMostRefused = 16, kMostBeyond = 8;
   size_t max_connections = 1024, max_connections_per_client = 256;
   // Requests in the pool, running or queued; further ones get status 503.
   size_t max_waiting = 1024, max_waiting_per_client = 256;

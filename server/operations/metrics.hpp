@@ -44,7 +44,7 @@ class Metrics {
 
   std::atomic<uint64_t> connections{0};     // open
   std::atomic<uint64_t> accepted{0};        // connections ever
-  std::atomic<uint64_t> refused{0};         // connections beyond ListenerOptions::max_connections
+  std::atomic<uint64_t> refused{0};         // connections beyond max_connections or their client's share, closed or answered 503
   std::atomic<uint64_t> idle{0};            // connections closed because no request came
   std::atomic<uint64_t> slow_requests{0};   // connections closed because a request did not end in time
   std::atomic<uint64_t> slow_answers{0};    // connections closed because the client did not take its answer in time

@@ -102,6 +102,7 @@ class Options {
     if (const std::string* view = text_("view")) {
       for (const char* other : {"from", "at", "up", "fov"})
         if (text_(other)) throw UsageError(fmt::format("{0}view: expected alone, found with {0}{1}", dashes_, other));
+      if (domain) throw UsageError(fmt::format("{0}view: expected alone, found with {0}domain: it shows the whole grid", dashes_));
       const bool positive = !view->starts_with('-');
       const auto axis = axis_named(std::string_view(*view).substr(positive ? 0 : 1));
       if (!axis) refuse("view", "x, y, z, -x, -y or -z", *view);
@@ -119,6 +120,8 @@ class Options {
       if (!(fov >= 1e-6 && fov <= 179)) refuse("fov", "0.000001 to 179 degrees", *text);
     }
     const std::string *from = text_("from"), *at = text_("at");
+    if (domain && from && at)
+      throw UsageError(fmt::format("{0}domain: expected without {0}from or without {0}at, which it gives, found with both", dashes_));
     const DefaultView usual = from && at ? DefaultView{} : default_view(meta_.grid, domain ? meta_.grid.box(0) : box_shown(options));
     const Vec3 eye = from ? point("from", *from) : usual.from, target = at ? point("at", *at) : usual.at;
     if (eye == target)

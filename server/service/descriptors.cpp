@@ -16,7 +16,7 @@ constexpr uint64_t kFewFiles = 64;     // even if fewer are served at the start:
 constexpr uint64_t kManyFiles = 4096;  // further ones are closed and opened again
 constexpr uint64_t kLeast = 8;         // connections, and files, without which a server is of no use
 constexpr uint64_t kPerThread = 4;     // epoll, event and timer of an io thread; a file that a thread of the pool reads
-constexpr uint64_t kSpare = 40;        // the port, signals, a folder that is listed, files of the page, connections that are refused
+constexpr uint64_t kSpare = 48;        // the port, signals, a folder that is listed, files of the page, connections that are refused or too many
 
 }  // namespace
 

@@ -10,6 +10,8 @@
 namespace teracell::inline store {
 namespace {
 
+constexpr uint32_t kWide = 8;  // rays: in the middle of a column that is so wide a ball is 4 cells deep, and all cells beside it are near
+
 bool is_larger(const Component& a, const Component& b) { return a.cells != b.cells ? a.cells > b.cells : a.first < b.first; }
 
 // What a block tells of a label.
@@ -30,14 +32,14 @@ struct Block {
 // Each thread has its own.
 class BlockReader {
  public:
-  BlockReader(const GridReader& reader, const CheckOptions& options)
+  BlockReader(const GridReader& reader, const std::vector<bool>& sheets, const CheckOptions& options)
       : reader_(reader),
         shape_(reader.shape(0)),
         frame_(reader.meta().frame()),
         thin_below_(halves_below(options.thin_cells)),
         narrow_below_(halves_below(options.narrow_cells)),
         here_(labels_here(reader.meta())),
-        thickness_(walls(here_.size(), narrow_below_ > 0)) {}
+        thickness_(walls(sheets, narrow_below_ > 0)) {}
 
   Block read(uint32_t cu, uint32_t cv) {
     Block block{cu, {}, {}, {}, {}};
@@ -53,8 +55,9 @@ class BlockReader {
  private:
   // The thicknesses, in half cells, that are less than this many cells are less than what is returned.
   static uint32_t halves_below(double cells) { return static_cast<uint32_t>(std::ceil(std::clamp(2 * cells, 0., static_cast<double>(kThickest)))); }
-  static std::vector<bool> walls(size_t labels, bool background) {
-    std::vector<bool> out(labels, true);
+  static std::vector<bool> walls(std::vector<bool> sheets, bool background) {
+    std::vector<bool> out = std::move(sheets);
+    out.flip();
     out[0] = background;
     return out;
   }
@@ -74,7 +77,7 @@ class BlockReader {
       if (!set || (label && *label != here_[set->front()])) return false;
       label = here_[set->front()];
     }
-    if ((*label != 0 || narrow_below_ > 0) && (nu < kThickest || nv < kThickest)) return false;
+    if ((*label != 0 || narrow_below_ > 0) && (nu < kWide || nv < kWide)) return false;
     field_.rays.fill(nu, nv, shape_.nw, *label);
     field_.column = {0, 0, nu, nv};
     return true;
@@ -150,7 +153,8 @@ std::vector<Component> LargestComponents::sorted() const {
   return out;
 }
 
-CellFacts look_at_cells(const GridReader& reader, const CheckOptions& options, const std::function<void(double)>& progress) {
+CellFacts look_at_cells(const GridReader& reader, const std::vector<bool>& sheets, const CheckOptions& options,
+                        const std::function<void(double)>& progress) {
   const LevelShape shape = reader.shape(0);
   CellFacts out;
   out.labels.resize(reader.meta().labels.size());
@@ -178,7 +182,7 @@ CellFacts look_at_cells(const GridReader& reader, const CheckOptions& options, c
   };
   RegionJoiner thin(shape, adds_to(out.thin)), narrow(shape, adds_to(out.narrow));
 
-  std::vector<BlockReader> readers(static_cast<size_t>(options.threads), BlockReader(reader, options));
+  std::vector<BlockReader> readers(static_cast<size_t>(options.threads), BlockReader(reader, sheets, options));
   const uint64_t columns = uint64_t{shape.chunks_u} * shape.chunks_v;
   uint64_t next = 0, done = 0;
   in_order(

@@ -45,6 +45,8 @@ struct CellFacts {
 
 inline constexpr uint32_t kFewCells = 4;  // a region of fewer cells is a tip
 
-CellFacts look_at_cells(const GridReader& reader, const CheckOptions& options, const std::function<void(double share)>& progress);
+// `sheets`: of each label, whether it is one of sheets alone. They have no walls.
+CellFacts look_at_cells(const GridReader& reader, const std::vector<bool>& sheets, const CheckOptions& options,
+                        const std::function<void(double share)>& progress);
 
 }  // namespace teracell::store

@@ -15,7 +15,7 @@ class Sentences {
   Sentences(const GridReader& reader, const CheckOptions& options, Findings& out)
       : meta_(reader.meta()), options_(options), frame_(meta_.frame()), out_(out) {}
 
-  void add(const CellFacts& facts) {
+  void add(const CellFacts& facts, const std::vector<bool>& sheets) {
     for (const Component& c : facts.thin.sorted())
       of_cells(FindingKind::thin, c.thinnest < 4 ? FindingLevel::warning : FindingLevel::note, c,
                fmt::format("A wall of '{}' is {} thick where it is thinnest: {} are below {:g}.", name(c.label), thick(c.thinnest), cells_of(c),
@@ -41,7 +41,7 @@ class Sentences {
       if (of.at_sides.cells > 0)
         of_cells(FindingKind::cut, FindingLevel::note, of.at_sides,
                  fmt::format("'{}' reaches the side of the domain, with {}.", name(label), cells_of(of.at_sides)));
-      wall(label, of);
+      if (!sheets[label]) wall(label, of);
     }
   }
 
@@ -91,8 +91,8 @@ Findings check(const GridReader& reader, const CheckOptions& options, const std:
   Findings out;
   out.hash = reader.hash();
   out.cells_hash = reader.cells_hash();
-  add_reported(out, reader.report(), reader.meta());
-  Sentences(reader, options, out).add(look_at_cells(reader, options, progress));
+  const std::vector<bool> sheets = add_reported(out, reader.report(), reader.meta());
+  Sentences(reader, options, out).add(look_at_cells(reader, sheets, options, progress), sheets);
   std::ranges::stable_sort(out.list, {}, [](const Finding& f) { return std::pair(f.level, f.kind); });
   return out;
 }

@@ -1,9 +1,12 @@
 #include "store/check/components.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace teracell::inline store {
 namespace {
+
+constexpr uint32_t kNotKept = ~0u;
 
 // Calls f(i, j) for the runs i and j that have a cell in common.
 template <class F>
@@ -94,17 +97,7 @@ BlockComponents BlockLabeller::components(const RayBlock& rays, const RayWindow&
     }
 
   BlockComponents out;
-  std::vector<uint32_t> numbers(nodes_.size());
-  for (uint32_t node = 0; node < nodes_.size(); ++node) {
-    const uint32_t r = groups_.of(node);  // it comes first
-    if (r == node) {
-      numbers[node] = static_cast<uint32_t>(out.all.size());
-      out.all.push_back(nodes_[node]);
-    } else {
-      numbers[node] = numbers[r];
-      out.all[numbers[r]].add(nodes_[node]);
-    }
-  }
+  const std::vector<uint32_t> numbers = join_parts(groups_, nodes_, out.all);
   const auto border = [&](uint32_t bu0, uint32_t bv0, uint32_t bu1, uint32_t bv1) {
     Border b;
     for (uint32_t v = bv0; v < bv1; ++v)
@@ -124,25 +117,66 @@ BlockComponents BlockLabeller::components(const RayBlock& rays, const RayWindow&
   return out;
 }
 
+std::vector<uint32_t> join_parts(Groups& groups, std::span<const Component> parts, std::vector<Component>& all) {
+  std::vector<uint32_t> numbers(parts.size());
+  for (uint32_t part = 0; part < parts.size(); ++part) {
+    const uint32_t first = groups.of(part);
+    if (first == part) {
+      numbers[part] = static_cast<uint32_t>(all.size());
+      all.push_back(parts[part]);
+    } else {
+      numbers[part] = numbers[first];
+      all[numbers[first]].add(parts[part]);
+    }
+  }
+  return numbers;
+}
+
+uint32_t OpenComponents::add(std::span<const Component> components) {
+  const uint32_t first = groups_.size();
+  for (const Component& c : components) {
+    groups_.add();
+    all_.push_back(c);
+  }
+  return first;
+}
+
+void OpenComponents::join(uint32_t a, uint32_t b) {
+  if (all_[a].label != all_[b].label) return;
+  a = groups_.of(a), b = groups_.of(b);
+  if (a == b) return;
+  groups_.join(a, b);
+  all_[std::min(a, b)].add(all_[std::max(a, b)]);
+}
+
+uint32_t OpenComponents::keep(uint32_t component) {
+  numbers_.resize(all_.size(), kNotKept);
+  const uint32_t first = groups_.of(component);
+  if (numbers_[first] == kNotKept) {
+    numbers_[first] = static_cast<uint32_t>(kept_.size());
+    kept_.push_back(all_[first]);
+  }
+  return numbers_[first];
+}
+
+void OpenComponents::finish_others() {
+  numbers_.resize(all_.size(), kNotKept);
+  for (uint32_t i = 0; i < all_.size(); ++i)
+    if (groups_.stands_for_one(i) && numbers_[i] == kNotKept) finished_(all_[i]);
+  all_ = std::exchange(kept_, {});
+  groups_ = Groups(all_.size());
+  numbers_.clear();
+}
+
 void ComponentJoiner::join(const Border& a, const Border& b) {
   if (a.rays() == 0) return;  // no block is above the first row
   for (uint32_t ray = 0; ray < a.rays(); ++ray)
-    for_common_runs(ends_of(a, ray), ends_of(b, ray), [&](size_t i, size_t j) {
-      const uint32_t x = a.components[a.begin[ray] + i], y = b.components[b.begin[ray] + j];
-      if (nodes_[x].label != nodes_[y].label) return;
-      const uint32_t of_x = groups_.of(x), of_y = groups_.of(y);
-      if (of_x == of_y) return;
-      groups_.join(of_x, of_y);
-      nodes_[std::min(of_x, of_y)].add(nodes_[std::max(of_x, of_y)]);
-    });
+    for_common_runs(ends_of(a, ray), ends_of(b, ray),
+                    [&](size_t i, size_t j) { open_.join(a.components[a.begin[ray] + i], b.components[b.begin[ray] + j]); });
 }
 
 void ComponentJoiner::add(uint32_t cu, BlockComponents&& block) {
-  const auto base = static_cast<uint32_t>(nodes_.size());
-  for (const Component& c : block.all) {
-    groups_.add();
-    nodes_.push_back(c);
-  }
+  const uint32_t base = open_.add(block.all);
   for (Border& border : block.borders)
     for (uint32_t& component : border.components) component += base;
   auto& [lowest_u, highest_u, lowest_v, highest_v] = block.borders;
@@ -150,32 +184,10 @@ void ComponentJoiner::add(uint32_t cu, BlockComponents&& block) {
   join(above_[cu], lowest_v);
   before_ = std::move(highest_u);
   above_[cu] = std::move(highest_v);
-  if (cu + 1 == chunks_u_) retire();
-}
-
-// What the last row of blocks does not reach is finished. The rest is numbered anew.
-void ComponentJoiner::retire() {
-  constexpr uint32_t kNone = ~uint32_t{0};
-  std::vector<uint32_t> numbers(nodes_.size(), kNone);
-  std::vector<Component> left;
+  if (cu + 1 < above_.size()) return;
   for (Border& border : above_)
-    for (uint32_t& component : border.components) {
-      const uint32_t r = groups_.of(component);
-      if (numbers[r] == kNone) {
-        numbers[r] = static_cast<uint32_t>(left.size());
-        left.push_back(nodes_[r]);
-      }
-      component = numbers[r];
-    }
-  for (uint32_t node = 0; node < nodes_.size(); ++node)
-    if (groups_.stands_for_one(node) && numbers[node] == kNone) finished_(nodes_[node]);
-  nodes_ = std::move(left);
-  groups_ = Groups(nodes_.size());
-}
-
-void ComponentJoiner::finish() {
-  for (const Component& c : nodes_) finished_(c);
-  nodes_.clear(), groups_ = Groups();
+    for (uint32_t& component : border.components) component = open_.keep(component);
+  open_.finish_others();
 }
 
 }  // namespace teracell::store

@@ -49,24 +49,38 @@ class BlockLabeller {
   std::pair<uint32_t, uint32_t> joined_;  // rays of these nodes were joined run by run
 };
 
+// What groups of parts make, in the order of their first parts, goes to `all`. Returns of each part where its group is there.
+std::vector<uint32_t> join_parts(Groups& groups, std::span<const Component> parts, std::vector<Component>& all);
+
+using Finished = std::function<void(const Component&)>;
+
+// Components of blocks that later blocks may reach, numbered from 0 on.
+class OpenComponents {
+ public:
+  explicit OpenComponents(Finished finished) : finished_(std::move(finished)) {}
+  uint32_t add(std::span<const Component> components);  // returns the number of the first
+  void join(uint32_t a, uint32_t b);                    // unless their labels differ
+  uint32_t keep(uint32_t component);                    // returns its number after finish_others()
+  void finish_others();                                 // those that were not kept are finished
+
+ private:
+  const Finished finished_;
+  Groups groups_;
+  std::vector<Component> all_, kept_;
+  std::vector<uint32_t> numbers_;  // among those that are kept
+};
+
 // Joins the components of blocks, which come in the order of their columns: u fastest.
 class ComponentJoiner {
  public:
-  using Finished = std::function<void(const Component&)>;
-  ComponentJoiner(const LevelShape& shape, Finished finished) : chunks_u_(shape.chunks_u), finished_(std::move(finished)) {
-    above_.resize(chunks_u_);
-  }
+  ComponentJoiner(const LevelShape& shape, Finished finished) : open_(std::move(finished)), above_(shape.chunks_u) {}
   void add(uint32_t cu, BlockComponents&& block);
-  void finish();
+  void finish() { open_.finish_others(); }
 
  private:
   void join(const Border& a, const Border& b);
-  void retire();
 
-  const uint32_t chunks_u_;
-  const Finished finished_;
-  Groups groups_;  // of nodes
-  std::vector<Component> nodes_;
+  OpenComponents open_;
   Border before_;              // of the block before, at its highest u
   std::vector<Border> above_;  // of the last row of blocks, at their highest v; the row that comes replaces them
 };

@@ -32,18 +32,18 @@ bool is_for(const GridReader& reader, std::string_view document) {
 
 std::filesystem::path kept_findings(const std::filesystem::path& grid) { return std::filesystem::path(grid).replace_extension(".check.json"); }
 
-bool has_kept_findings(const std::filesystem::path& grid, const GridReader& reader) {
+bool has_kept_findings(const std::filesystem::path& grid, const GridReader& reader) try {
   const std::filesystem::path path = kept_findings(grid);
   std::error_code none;
   if (!std::filesystem::is_regular_file(path, none)) return false;
   const InputFile file(path);
   const uint64_t ends = std::min(file.size(), kEnds);
   if (file.size() > kMostBytes || !ends_as_whole(without_line_break(piece(file, file.size() - ends, ends)))) return false;
-  try {
-    return is_for(reader, piece(file, 0, ends));
-  } catch (const FormatError&) {  // who reads the cells is told
-    return false;
-  }
+  return is_for(reader, piece(file, 0, ends));
+} catch (const FormatError&) {  // who reads the cells is told
+  return false;
+} catch (const IoError&) {  // who reads the findings is told
+  return false;
 }
 
 std::string read_kept_findings(const std::filesystem::path& grid, const GridReader& reader) {

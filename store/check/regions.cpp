@@ -39,17 +39,7 @@ BlockRegions regions_of(std::span<const ThinRun> runs, const RayWindow& block, c
     all.push_back(mine);
   }
   BlockRegions out;
-  std::vector<uint32_t> numbers(nodes.size());
-  for (uint32_t node = 0; node < nodes.size(); ++node) {
-    const uint32_t first = groups.of(node);  // it comes first
-    if (first == node) {
-      numbers[node] = static_cast<uint32_t>(out.all.size());
-      out.all.push_back(nodes[node]);
-    } else {
-      numbers[node] = numbers[first];
-      out.all[numbers[first]].add(nodes[node]);
-    }
-  }
+  const std::vector<uint32_t> numbers = join_parts(groups, nodes, out.all);
   for (RegionRun& run : all) {
     if (run.u > block.u0 && run.v > block.v0 && run.u + 1 < block.u1 && run.v + 1 < block.v1) continue;
     run.region = numbers[run.region];
@@ -63,20 +53,11 @@ void RegionJoiner::join(std::span<const RegionRun> runs, std::span<const RegionR
   for (const RegionRun& run : runs)
     for (uint32_t v = run.v - (run.v > 0); v <= run.v + 1; ++v)
       for (uint32_t u = run.u - (run.u > 0); u <= run.u + 1; ++u)
-        for_touching(run, u, v, others, [&](const RegionRun& other) {
-          const uint32_t a = groups_.of(run.region), b = groups_.of(other.region);
-          if (a == b) return;
-          groups_.join(a, b);
-          nodes_[std::min(a, b)].add(nodes_[std::max(a, b)]);
-        });
+        for_touching(run, u, v, others, [&](const RegionRun& other) { open_.join(run.region, other.region); });
 }
 
 void RegionJoiner::add(uint32_t cu, BlockRegions&& block) {
-  const auto base = static_cast<uint32_t>(nodes_.size());
-  for (const Component& c : block.all) {
-    groups_.add();
-    nodes_.push_back(c);
-  }
+  const uint32_t base = open_.add(block.all);
   for (RegionRun& run : block.border) run.region += base;
   join(block.border, before_);
   join(block.border, corner_);
@@ -85,32 +66,11 @@ void RegionJoiner::add(uint32_t cu, BlockRegions&& block) {
   corner_ = std::move(above_[cu]);
   above_[cu] = block.border;
   before_ = std::move(block.border);
-  if (cu + 1 == above_.size()) retire();
-}
-
-// What the last row of blocks does not reach is finished. The rest is numbered anew.
-void RegionJoiner::retire() {
+  if (cu + 1 < above_.size()) return;
   before_.clear(), corner_.clear();
-  std::vector<uint32_t> numbers(nodes_.size(), ~uint32_t{0});
-  std::vector<Component> left;
   for (std::vector<RegionRun>& border : above_)
-    for (RegionRun& run : border) {
-      const uint32_t node = groups_.of(run.region);
-      if (numbers[node] == ~uint32_t{0}) {
-        numbers[node] = static_cast<uint32_t>(left.size());
-        left.push_back(nodes_[node]);
-      }
-      run.region = numbers[node];
-    }
-  for (uint32_t node = 0; node < nodes_.size(); ++node)
-    if (groups_.stands_for_one(node) && numbers[node] == ~uint32_t{0}) finished_(nodes_[node]);
-  nodes_ = std::move(left);
-  groups_ = Groups(nodes_.size());
-}
-
-void RegionJoiner::finish() {
-  for (const Component& c : nodes_) finished_(c);
-  nodes_.clear(), groups_ = Groups();
+    for (RegionRun& run : border) run.region = open_.keep(run.region);
+  open_.finish_others();
 }
 
 }  // namespace teracell::store

@@ -27,18 +27,14 @@ BlockRegions regions_of(std::span<const ThinRun> runs, const RayWindow& block, c
 // Joins the regions of blocks, which come in the order of their columns: u fastest.
 class RegionJoiner {
  public:
-  using Finished = std::function<void(const Component&)>;
-  RegionJoiner(const LevelShape& shape, Finished finished) : finished_(std::move(finished)) { above_.resize(shape.chunks_u); }
+  RegionJoiner(const LevelShape& shape, Finished finished) : open_(std::move(finished)), above_(shape.chunks_u) {}
   void add(uint32_t cu, BlockRegions&& block);
-  void finish();
+  void finish() { open_.finish_others(); }
 
  private:
   void join(std::span<const RegionRun> runs, std::span<const RegionRun> others);
-  void retire();
 
-  const Finished finished_;
-  Groups groups_;  // of nodes
-  std::vector<Component> nodes_;
+  OpenComponents open_;
   std::vector<RegionRun> before_, corner_;     // of the block before, and of the one above that
   std::vector<std::vector<RegionRun>> above_;  // of the last row of blocks; the row that comes replaces them
 };

@@ -1,6 +1,7 @@
 #include "store/check/reported.hpp"
 
 #include <algorithm>
+#include <unordered_set>
 
 #include <fmt/format.h>
 
@@ -42,7 +43,8 @@ class Reported {
                           std::nullopt,
                           std::nullopt,
                           fmt::format("{} cells in '{}' belong to stronger bodies.", grouped(b.covered), b.name)});
-    if (!b.sheet) lost(b);
+    if (b.sheet) sheets_.insert(b.name);
+    else lost(b);
   }
 
   void rest(const Report& report) {
@@ -58,6 +60,13 @@ class Reported {
       if (bodies_ > 1) missing("Overlaps by pair: the file does not have them. What is listed are the cells that each body leaves to stronger ones.");
     }
     if (rays_only_) missing("What is lost between sample points was counted along the rays alone: mesh with --thin to look along x, y and z.");
+  }
+
+  std::vector<bool> sheets(const std::vector<std::string>& materials) const {
+    std::vector<bool> out;
+    for (const LabelInfo& label : meta_.labels)
+      out.push_back(label.body.empty() ? std::ranges::binary_search(materials, meta_.materials[label.material].name) : sheets_.contains(label.body));
+    return out;
   }
 
   void missing(std::string text) { findings_.not_looked_at.push_back(std::move(text)); }
@@ -143,6 +152,7 @@ class Reported {
   Findings& findings_;
   const Metadata& meta_;
   const std::string& units_;  // as people write them
+  std::unordered_set<std::string> sheets_;
   std::vector<Finding> covered_;  // where the file has no overlaps by pair
   uint64_t bodies_ = 0;
   bool rays_only_ = false;
@@ -157,10 +167,12 @@ void add_finding(Findings& findings, Finding finding) {
   if (total.findings <= kMostFindings) findings.list.push_back(std::move(finding));
 }
 
-void add_reported(Findings& findings, const std::string& report, const Metadata& meta) {
+std::vector<bool> add_reported(Findings& findings, const std::string& report, const Metadata& meta) {
   Reported reported(findings, meta);
-  if (const auto rest = read_report(report, [&](const BodyReport& body) { reported.body(body); })) reported.rest(*rest);
+  const auto rest = read_report(report, [&](const BodyReport& body) { reported.body(body); });
+  if (rest) reported.rest(*rest);
   else reported.missing("The file has no report of the mesher: what became of the surfaces was not looked at.");
+  return reported.sheets(rest ? rest->sheet_materials : std::vector<std::string>());
 }
 
 }  // namespace teracell::store

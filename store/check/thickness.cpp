@@ -54,10 +54,7 @@ const BothNear& rays_near(uint32_t ray_u, uint32_t ray_v) {
 }
 
 // A run, less `reach` cells at its ends. The domain's sides are no ends.
-struct Ends {
-  uint32_t from, to;
-};
-Ends shrunk(uint32_t from, uint32_t to, int reach, uint32_t length) {
+Thickness::Interval shrunk(uint32_t from, uint32_t to, int reach, uint32_t length) {
   const auto by = static_cast<uint32_t>(reach);
   return {from == 0 ? 0 : from + by, to == length ? to : to - std::min(to, by)};
 }
@@ -179,7 +176,7 @@ std::span<const Thickness::Core> Thickness::cores_of(const RayBlock& rays, uint3
 // Keeps one interval of a run: what is lost that way is looked at cell by cell.
 void Thickness::add_core(const RayBlock& rays, uint32_t u, uint32_t v, uint32_t run, Interval cells, Label label) {
   const uint32_t ray = v * rays.nu + u;
-  Ends core = shrunk(cells.from, cells.to, root(kDeep2), rays.length);
+  Interval core = shrunk(cells.from, cells.to, root(kDeep2), rays.length);
   for (const Beside& b : rays_within_depth()) {
     if (core.from >= core.to) return;
     const int64_t other_u = int64_t{u} + b.u, other_v = int64_t{v} + b.v;
@@ -189,15 +186,15 @@ void Thickness::add_core(const RayBlock& rays, uint32_t u, uint32_t v, uint32_t 
     const auto ends = [&](size_t i) {
       return shrunk(i == 0 ? 0 : changes[i - 1], i < changes.size() ? changes[i] : rays.length, b.reach, rays.length);
     };
-    Ends best{0, 0};
+    Interval best{0, 0};
     if (rays.pattern[other] == rays.pattern[ray]) {
-      const Ends there = ends(run);
+      const Interval there = ends(run);
       best = {std::max(core.from, there.from), std::min(core.to, there.to)};
     } else {
       const std::span<const SetId> labels = rays.sets(other);
       for (size_t i = run_at(changes, core.from); i < labels.size() && (i == 0 || changes[i - 1] < core.to); ++i) {
         if (labels[i] != label) continue;
-        const Ends there = ends(i), both{std::max(core.from, there.from), std::min(core.to, there.to)};
+        const Interval there = ends(i), both{std::max(core.from, there.from), std::min(core.to, there.to)};
         if (both.from < both.to && both.to - both.from > best.to - best.from) best = both;
       }
     }
@@ -228,20 +225,24 @@ void Thickness::find_doubtful(const Field& field) {
       });
 }
 
-// Takes what lies within `reach` cells of the cores out of what is left of a run.
+// Takes what lies within `reach` cells of the cores out of what is left of a run. The cores of a ray ascend and don't overlap, so those that come
+// before what is left are skipped by bisection: a ray may have very many runs.
 void Thickness::take_proven(std::span<const Core> cores, Label label, uint32_t reach) {
-  for (const Core& core : cores) {
-    if (core.label != label) continue;
-    const uint32_t from = core.from - std::min(core.from, reach), to = core.to + reach;
-    if (to <= left_.front().from || from >= left_.back().to) continue;
-    next_.clear();
-    for (const Interval& one : left_) {
-      if (one.from < from) next_.push_back({one.from, std::min(one.to, from)});
-      if (one.to > to) next_.push_back({std::max(one.from, to), one.to});
+  if (cores.empty() || cores.back().to + reach <= left_.front().from || cores.front().from >= left_.back().to + reach) return;
+  auto core = std::ranges::partition_point(cores, [&](const Core& c) { return c.to + reach <= left_.front().from; });
+  if (core->from >= left_.back().to + reach) return;
+  next_.clear();
+  for (Interval one : left_) {
+    for (; core != cores.end() && core->from < one.to + reach; ++core) {
+      if (core->label != label) continue;
+      const uint32_t from = core->from - std::min(core->from, reach);
+      if (one.from < from) next_.push_back({one.from, from});
+      one.from = std::max(one.from, core->to + reach);
+      if (one.from >= one.to) break;  // it may reach into the next one, too
     }
-    std::swap(left_, next_);
-    if (left_.empty()) return;
+    if (one.from < one.to) next_.push_back(one);
   }
+  std::swap(left_, next_);
 }
 
 // Stretches of one label, by where they begin. They are measured some cells at a time; where nothing changes near them, all cells along the rays are
@@ -249,20 +250,19 @@ void Thickness::take_proven(std::span<const Core> cores, Label label, uint32_t r
 void Thickness::look_at(const RayBlock& rays, std::span<Stretch> tile) {
   constexpr auto kNear = static_cast<uint32_t>(kMargin);
   find_changes(rays, tile);
+  block_.clear();
   uint32_t at = 0;  // all before are done
-  for (size_t begin = 0; begin < tile.size();) {
-    at = std::max(at, tile[begin].from);
+  for (size_t next = 0; next < tile.size() || !block_.empty();) {
+    if (block_.empty()) at = tile[next].from;
     Interval valid{at, at + kSlab};
     bool alike = false;
-    const auto next = std::ranges::lower_bound(changes_, at - std::min(at, kNear - 1));  // the change that comes next, unless it is near already
-    if (next != changes_.end() && *next > at + kNear + kSlab) alike = true, valid.to = *next - kNear;
-    block_.clear();
-    for (size_t i = begin; i < tile.size() && tile[i].from < valid.to; ++i)
-      if (tile[i].to > at) block_.push_back(tile[i]);
+    const auto change = std::ranges::lower_bound(changes_, at - std::min(at, kNear - 1));  // the one that comes next, unless it is near already
+    if (change != changes_.end() && *change > at + kNear + kSlab) alike = true, valid.to = *change - kNear;
+    for (; next < tile.size() && tile[next].from < valid.to; ++next) block_.push_back(tile[next]);
     valid.to = std::min(valid.to, std::ranges::max(block_, {}, &Stretch::to).to);
     measure(rays, block_, {at, alike ? at + 1 : valid.to}, valid);
     at = valid.to;
-    while (begin < tile.size() && tile[begin].to <= at) ++begin;
+    std::erase_if(block_, [&](const Stretch& s) { return s.to <= at; });
   }
 }
 

@@ -25,6 +25,9 @@ struct ThinRun {
 // Each thread has its own.
 class Thickness {
  public:
+  struct Interval {
+    uint32_t from, to;
+  };
   // `walls[label]`: whether cells of this label have a thickness.
   explicit Thickness(std::vector<bool> walls) : walls_(std::move(walls)) {}
 
@@ -32,9 +35,6 @@ class Thickness {
   const std::vector<ThinRun>& thin_runs(const Field& field);
 
  private:
-  struct Interval {
-    uint32_t from, to;
-  };
   struct Core {  // of a ray: cells that are deep
     uint32_t from, to;
     Label label;

@@ -1,6 +1,7 @@
 #include "store/format/report_json.hpp"
 
 #include <algorithm>
+#include <map>
 
 #include <fmt/format.h>
 
@@ -257,13 +258,18 @@ std::string write_report(const Report& report, const std::vector<std::string>& w
 std::optional<Report> read_report(const std::string& text, const std::function<void(BodyReport&&)>& take) try {
   Report report;
   std::vector<GapReport> gaps;
+  std::map<std::string, bool> sheets_alone;  // by material
+  uint64_t bodies_told = 0, bodies_of_scene = 0;
   const JsonParts parts{
       [&](const std::string& list, size_t i, const Json& element) {
         const std::string place = fmt::format("{}[{}]", list, i);
         const JsonNode j(element, place);
         naming(place, [&] {
-          if (list == "bodies") take(body_in(j));
-          else if (list == "warnings") report.warnings.push_back(j.any_text());
+          if (list == "bodies") take(body_in(j)), ++bodies_told;
+          else if (list == "scene.bodies") {
+            sheets_alone.try_emplace(text_in(j, "material"), true).first->second &= text_in(j, "kind") == "sheet";
+            ++bodies_of_scene;
+          } else if (list == "warnings") report.warnings.push_back(j.any_text());
           else if (list == "lost_gaps") gaps.push_back({j.require("material").any_text(), axis_in(j), lost_in(j)});
           else if (list == "inputs")
             report.inputs.push_back({j.require("path").any_text(), text_in(j, "format"), j.require("hash").any_text(), j.require("bytes").whole(),
@@ -278,6 +284,9 @@ std::optional<Report> read_report(const std::string& text, const std::function<v
   if (!bodies->is_array()) bodies->fail("an array");
   if (find_value(rest, "lost_gaps")) report.lost_gaps = std::move(gaps);
   read_rest(rest, report);
+  if (bodies_of_scene == bodies_told + report.bodies_left_out)  // else nobody knows what the others are
+    for (const auto& [material, alone] : sheets_alone)
+      if (alone) report.sheet_materials.push_back(material);
   return report;
 } catch (const FormatError& e) {
   throw FormatError(fmt::format("report: expected what the mesher writes, found something else: {}", e.what()));

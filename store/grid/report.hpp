@@ -115,6 +115,7 @@ struct InputReport {
 struct Report {
   std::vector<BodyReport> bodies;
   uint64_t bodies_left_out = 0;  // by a report that was read
+  std::vector<std::string> sheet_materials;  // of a report that was read: those that sheets alone have, in order
   uint64_t crossings = 0;
   std::vector<std::string> warnings;
   std::vector<InputReport> inputs;  // one per body

@@ -87,6 +87,12 @@ bool skip(std::string_view& text, std::string_view what) {
   return true;
 }
 
+void expect_plain(const Exchange& e, const std::string& name) {
+  if (const std::string& coding = e.header("content-encoding"); !coding.empty() && coding != "identity")
+    throw IoError(
+        fmt::format("{}: expected the bytes as they are, the host sends them encoded as '{}'", name, words_of({coding.begin(), coding.end()})));
+}
+
 }  // namespace
 
 void expect_allowed(const Url& url, bool allow_http) {
@@ -128,9 +134,7 @@ bool RemoteObject::open(std::optional<uint64_t> first, size_t most_of_whole, uin
   if (from_end && (e.status == 416 || e.status == 400 || e.status == 405 || e.status == 501)) return false;
   if (e.status == 416 && *first == 0) throw IoError(fmt::format("{}: the object is empty", name()));
   if (e.status != 200 && e.status != 206) fail(e);
-  if (const std::string& coding = e.header("content-encoding"); !coding.empty() && coding != "identity")
-    throw IoError(
-        fmt::format("{}: expected the bytes as they are, the host sends them encoded as '{}'", name(), words_of({coding.begin(), coding.end()})));
+  expect_plain(e, name());
   etag_ = e.header("etag");
   strong_etag_ = etag_.starts_with("W/") ? "" : etag_;
   last_modified_ = e.header("last-modified");
@@ -218,9 +222,7 @@ void RemoteObject::accept(Exchange& e, uint64_t first, uint64_t last) const {
   if (found && found->size != size_) changed();
   if (!found || found->first != first || found->last != last)
     throw IoError(fmt::format("{}: asked for bytes {} to {}, the host answers {}", name(), first, last, said_range(e)));
-  if (const std::string& coding = e.header("content-encoding"); !coding.empty() && coding != "identity")
-    throw IoError(
-        fmt::format("{}: expected the bytes as they are, the host sends them encoded as '{}'", name(), words_of({coding.begin(), coding.end()})));
+  expect_plain(e, name());
   if (e.cut || e.body.size() != last - first + 1)
     throw IoError(fmt::format("{}: byte {}: expected {} bytes, the host sent {}", name(), first, last - first + 1,
                               e.cut ? "more" : fmt::format("{}", e.body.size())));

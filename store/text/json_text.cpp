@@ -63,19 +63,19 @@ class Builder {
     return members.back().second;
   }
   bool put(Json value) {
-    if (skips()) return true;
+    if (skips(value)) return true;
     add(std::move(value));
     hand_out();
     return true;
   }
   bool open(Json value) {
     if (open_.size() + skipped_ == kDeepestJson) fail(fmt::format("expected JSON of at most {} levels, found more", kDeepestJson));
-    if (skips()) {
+    if (skips(value)) {
       ++skipped_;
       return true;
     }
     open_.push_back(&add(std::move(value)));
-    if (open_.size() == 2) taken_ = 0, kept_ = values_;
+    if (hands_out()) taken_ = 0, kept_ = values_;
     return true;
   }
   bool close() {
@@ -88,14 +88,26 @@ class Builder {
     return true;
   }
 
-  // Whether what comes next lies in the member that is skipped.
-  bool skips() const { return skipped_ > 0 || (open_.size() == 1 && !parts_.skipped.empty() && open_[0]->is_object() && key_ == parts_.skipped); }
+  // The last key of an open object.
+  const std::string& key_in(size_t level) const { return open_[level]->get_ref<const Json::object_t&>().back().first; }
+
+  // Whether the object of which only the lists are read is open, and whether the value, which comes next, is something else in it.
+  bool is_within() const {
+    return open_.size() > 1 && !parts_.within.empty() && open_[0]->is_object() && open_[1]->is_object() && key_in(0) == parts_.within;
+  }
+  bool skips(const Json& value) const { return skipped_ > 0 || (open_.size() == 2 && !value.is_array() && is_within()); }
+
+  // Whether the innermost open value is a list that is handed out.
+  bool hands_out() const {
+    if (!parts_.take || !open_.back()->is_array() || !open_[0]->is_object()) return false;
+    return open_.size() == 2 || (open_.size() == 3 && is_within());
+  }
 
   // Called when a value is complete.
   void hand_out() {
-    if (!parts_.take || open_.size() != 2 || !open_[0]->is_object() || !open_[1]->is_array()) return;
-    auto& list = open_[1]->get_ref<Json::array_t&>();
-    parts_.take(open_[0]->get_ref<Json::object_t&>().back().first, taken_++, list.back());
+    if (open_.empty() || !hands_out()) return;
+    auto& list = open_.back()->get_ref<Json::array_t&>();
+    parts_.take(open_.size() == 2 ? key_in(0) : fmt::format("{}.{}", key_in(0), key_in(1)), taken_++, list.back());
     list.pop_back();
     values_ = kept_;
   }
@@ -111,9 +123,10 @@ class Builder {
   // Of the innermost value that is open.
   std::string place() const {
     std::string path;
+    const size_t list = is_within() ? 2 : 1;
     for (size_t i = 0; i + 1 < open_.size(); ++i)
-      path = open_[i]->is_array() ? fmt::format("{}[{}]", path, i == 1 && parts_.take ? taken_ : open_[i]->size() - 1)
-                                  : json_path(path, open_[i]->get_ref<const Json::object_t&>().back().first);
+      path =
+          open_[i]->is_array() ? fmt::format("{}[{}]", path, i == list && parts_.take ? taken_ : open_[i]->size() - 1) : json_path(path, key_in(i));
     return path;
   }
 

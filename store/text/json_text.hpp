@@ -14,7 +14,7 @@ using Json = nlohmann::ordered_json;
 // A document that is read part by part: the lists that the outermost object has, element by element.
 struct JsonParts {
   std::function<void(const std::string& list, size_t i, const Json& element)> take;  // each element is then dropped
-  std::string_view skipped;  // a member of the outermost object that is not kept at all
+  std::string_view within;  // an object in the outermost one of which only the lists are read, element by element, too: "within.list"
 };
 
 // `what` names the text in messages, if it is not empty. A document takes some sixty bytes of memory per value, so it has at most

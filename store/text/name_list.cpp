@@ -27,6 +27,16 @@ std::string take_name(std::string_view& list, std::string_view option) {
   }
 }
 
+// The front of the list up to the comma that ends its first name; one within double quotes does not.
+std::string_view first_word(std::string_view list) {
+  bool quoted = false;
+  for (size_t i = 0; i < list.size(); ++i) {
+    if (list[i] == '"' && list.front() == '"') quoted = !quoted;
+    if (list[i] == ',' && !quoted) return list.substr(0, i);
+  }
+  return list;
+}
+
 // Calls word(list), which takes one off the front, until nothing is left.
 template <class Word>
 void for_each_word(std::string_view list, std::string_view option, const char* expected, Word&& word) {
@@ -35,7 +45,7 @@ void for_each_word(std::string_view list, std::string_view option, const char* e
     const std::string_view from_here = list;
     if (!word(list) || (!list.empty() && list.front() != ','))
       throw UsageError(fmt::format("{}: expected {}, separated by commas, a name with a comma in double quotes, found '{}'{}", option, expected,
-                                   from_here.substr(0, from_here.find(',')), from_here.size() == whole.size() ? "" : fmt::format(" in {}", whole)));
+                                   first_word(from_here), from_here.size() == whole.size() ? "" : fmt::format(" in {}", whole)));
     if (list.empty()) return;
     list.remove_prefix(1);
   }

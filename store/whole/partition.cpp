@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <numeric>
 #include <ranges>
 #include <unordered_map>
 
@@ -15,6 +14,7 @@
 
 #include "store/read/kept_chunks.hpp"
 #include "store/runs/chunk_parts.hpp"
+#include "store/whole/near_parts.hpp"
 
 namespace teracell::inline store {
 namespace {
@@ -330,29 +330,24 @@ Box grown(const Box& box, int64_t by, int axis) {
   return out;
 }
 
-// Sweeps along x: only boxes whose ranges of x are near each other are compared.
 void find_neighbours(std::vector<Part>& parts, int64_t halo, const std::function<void(double)>& progress) {
+  constexpr uint64_t kAtOnce = 1 << 16;  // between two calls of progress
   const auto touch = [&](const Box& a, const Box& b) {
     if (halo == 0) return std::ranges::any_of(std::array{0, 1, 2}, [&](int d) { return overlap(grown(a, 1, d), b); });
     return overlap(grown(grown(grown(a, halo, 0), halo, 1), halo, 2), b);
   };
-  std::vector<size_t> order(parts.size());
-  std::iota(order.begin(), order.end(), size_t{0});
-  std::ranges::sort(order, {}, [&](size_t i) { return parts[i].box.lo[0]; });
-  const int64_t reach = std::max<int64_t>(halo, 1);
   int64_t found = 0;
-  for (size_t i = 0; i < order.size(); ++i) {
-    if (i % 1024 == 0) progress(1);
-    for (size_t j = i + 1; j < order.size() && parts[order[j]].box.lo[0] < parts[order[i]].box.hi[0] + reach; ++j)
-      if (touch(parts[order[i]].box, parts[order[j]].box)) {
-        parts[order[i]].neighbours.push_back(static_cast<int64_t>(order[j]));
-        parts[order[j]].neighbours.push_back(static_cast<int64_t>(order[i]));
-        found += 2;
-      }
+  uint64_t compared = 0;
+  for_each_near_pair(parts, std::max<int64_t>(halo, 1), [&](size_t i, size_t j) {
+    if (compared++ % kAtOnce == 0) progress(1);
+    if (!touch(parts[i].box, parts[j].box)) return;
+    parts[i].neighbours.push_back(static_cast<int64_t>(j));
+    parts[j].neighbours.push_back(static_cast<int64_t>(i));
+    found += 2;
     if (found > kMostNeighbours)
       throw OptionError(fmt::format("halo: expected one with which {} parts have at most {} neighbours together, found {}, with which they have more",
                                     parts.size(), kMostNeighbours, halo));
-  }
+  });
   for (Part& p : parts) std::ranges::sort(p.neighbours);
 }
 

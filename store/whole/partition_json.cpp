@@ -1,12 +1,11 @@
 #include <algorithm>
-#include <numeric>
 
 #include <fmt/format.h>
 
 #include "store/base/error.hpp"
 #include "store/text/json_node.hpp"
 #include "store/text/json_writer.hpp"
-#include "store/whole/partition.hpp"
+#include "store/whole/near_parts.hpp"
 
 namespace teracell::inline store {
 namespace {
@@ -58,13 +57,9 @@ void check(const Partition& p) {
       if (n < 0 || n >= p.options.ranks) fail(fmt::format("rank {}: expected neighbours from 0 to {}, found {}", rank, p.options.ranks - 1, n));
   }
   if (cells != all) fail(fmt::format("expected boxes of {} cells together, found {}", all, cells));
-  std::vector<size_t> order(p.parts.size());
-  std::iota(order.begin(), order.end(), size_t{0});
-  std::ranges::sort(order, {}, [&](size_t i) { return p.parts[i].box.lo[0]; });
-  for (size_t i = 0; i < order.size(); ++i)
-    for (size_t j = i + 1; j < order.size() && p.parts[order[j]].box.lo[0] < p.parts[order[i]].box.hi[0]; ++j)
-      if (overlap(p.parts[order[i]].box, p.parts[order[j]].box))
-        fail(fmt::format("expected boxes that don't overlap, found ranks {} and {}", order[i], order[j]));
+  for_each_near_pair(p.parts, 0, [&](size_t i, size_t j) {
+    if (overlap(p.parts[i].box, p.parts[j].box)) fail(fmt::format("expected boxes that don't overlap, found ranks {} and {}", i, j));
+  });
 }
 
 }  // namespace

@@ -42,6 +42,8 @@ class Check(ServeCase):
         self.assertFalse(os.path.exists(self.path("g.check.json")))
         self.assertTrue(os.path.exists(self.path("elsewhere.json")))
         self.refused(2, ["overwritten"], "check", "g.tcell", "-o", "g.tcell")
+        for option, value in (("--thin-cells", "9"), ("--thin-cells", "nan"), ("--narrow-cells", "nan")):
+            self.refused(2, [f"{option}: expected 0 to 8, found '{value}'"], "check", "g.tcell", option, value)
         data = bytearray(self.bytes("g.tcell"))
         data[len(data) // 3] ^= 1
         self.write("d.tcell", data)
@@ -59,6 +61,9 @@ class Check(ServeCase):
         self.assertEqual(packed, self.json_of("check", "p.tcell"))
         for key in ("cells_hash", "findings", "totals", "walls", "not_looked_at"):
             self.assertEqual(packed[key], found[key])
+        os.mkdir(self.path("r.check.json"))
+        self.assertRegex(self.run_ok("pack", "g.tcell", "-o", "r.tcell").err, "^warning: r.tcell does not get what was found .*r.check.json")
+        self.assertEqual(self.bytes("r.tcell"), self.bytes("p.tcell"))
         os.replace(self.path("p.tcell"), self.path("g.tcell"))  # in its place, beside what was found before
         self.assertEqual(self.served("g"), packed)
         self.scene["grid"]["cells"] = [20, 20, 21]  # other cells

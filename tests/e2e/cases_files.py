@@ -130,7 +130,10 @@ class Outputs(Case):
             self.write(f"{name}.partial", "some bytes")
             if checkpoint:
                 self.write(f"{name}.resume", "a state")
-            self.assertEqual(self.run_ok(*args).err, f"warning: {name}.partial is thrown away: a killed run has left it{more}\n")
+            said = f"warning: {name}.partial will be thrown away when the grid is begun: a killed run has left it{more}\n"
+            failed = teracell(args[0], "none.stl", *args[2:], cwd=self.folder)
+            self.assertEqual((failed.status, failed.err.startswith(said), self.bytes(f"{name}.partial")), (1, True, b"some bytes"))
+            self.assertEqual(self.run_ok(*args).err, said)
             self.no_debris()
         self.write("x.tcell.partial", "some bytes")
         self.assertEqual(self.run_ok(*mesh, "--resume").err, "")

@@ -1,6 +1,8 @@
 """Scene files: graded axes, priorities, labels by body, transforms, sample points, parts."""
+import os
+
 import solids
-from program import Case
+from program import Case, teracell
 
 A, B = ((0.0, 0.0, 0.0), (4.0, 4.0, 4.0)), ((2.0, 1.0, 1.0), (6.0, 3.0, 5.0))
 
@@ -45,6 +47,21 @@ class Scenes(Case):
         self.assertEqual(self.json_of("column", "g.tcell", "--axis", "x", "--at", "5,6"), column, "runs of one material are joined")
         self.assertEqual(self.json_of("stats", "g.tcell"), stats)
         self.run_ok("verify", "g.tcell")
+
+    def test_bare_surfaces_at_absolute_paths_give_the_same_bytes_from_every_folder(self):
+        for folder, box in (("one", A), ("two", B)):
+            os.makedirs(self.path(folder))
+            self.write(f"{folder}/a.stl", solids.binary_stl(solids.box_facets(*box)) + bytes(9))
+        mesh = ["mesh", self.path("one/a.stl"), self.path("two/a.stl"), "--cells", 9]
+        said = "warning: a.stl: 9 bytes after the last facet were skipped"
+        for folder in (".", "one"):
+            whole = teracell(*mesh, "-o", "g.tcell", cwd=self.path(folder))
+            self.assertEqual((whole.status, whole.err.splitlines()[:2]), (0, [said, said]), "a warning for each of two files")
+        self.assertEqual(self.bytes("g.tcell"), self.bytes("one/g.tcell"))
+        for i, folder in enumerate((".", "two")):
+            self.assertEqual(teracell(*mesh, "--shard", f"{i}/2", "-o", self.path("m.tcell"), cwd=self.path(folder)).status, 0)
+        self.run_ok("merge", "m.tcell.shard-0-of-2", "m.tcell.shard-1-of-2", "-o", "m.tcell")
+        self.assertEqual(self.bytes("m.tcell"), self.bytes("g.tcell"))
 
     def test_no_report_tells_a_folder_of_the_machine(self):
         for path in ("a.stl", self.path("a.stl"), self.path("./a.stl")):

@@ -33,12 +33,11 @@ int64_t Export::integer(const std::string& option, int64_t least, int64_t most, 
   return *value;
 }
 
-std::string quoted_names(const std::vector<MaterialInfo>& materials, const std::vector<bool>& chosen) {
-  constexpr size_t kEnough = 200;
-  std::string out;
-  for (size_t id = 0; id < chosen.size() && out.size() < kEnough; ++id)
-    if (chosen[id]) out += fmt::format("{}'{}'", out.empty() ? "" : ", ", materials[id].name);
-  return out;
+std::string chosen_names(const std::vector<MaterialInfo>& materials, const std::vector<bool>& chosen) {
+  std::vector<std::string> out;
+  for (size_t id = 0; id < chosen.size(); ++id)
+    if (chosen[id]) out.push_back(materials[id].name);
+  return listed(out);
 }
 
 }  // namespace teracell::exports

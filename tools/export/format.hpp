@@ -34,8 +34,8 @@ struct Export {
   int64_t integer(const std::string& option, int64_t least, int64_t most, int64_t otherwise) const;
 };
 
-// The names of chosen materials, for a message: the first of them when they are many.
-std::string quoted_names(const std::vector<MaterialInfo>& materials, const std::vector<bool>& chosen);
+// The names of chosen materials, for a message: as listed() has them.
+std::string chosen_names(const std::vector<MaterialInfo>& materials, const std::vector<bool>& chosen);
 
 // An option that one format takes beside those of all.
 struct ExportOption {

@@ -430,8 +430,9 @@ TEST_CASE("A report shows no folder of the machine: what the scene names, what l
       parse_scene(R"({"materials": {"a": {}}, "bodies": [{"mesh": "/home/me/models/parts/hull.stl", "material": "a"}]})", "/home/me/models");
   CHECK(scene.bodies[0].mesh == "/home/me/models/parts/hull.stl");
   CHECK(normalised(scene).find("/home") == std::string::npos);
-  const Scene bare = bare_scene({"/home/me/a.stl", "b/c.stl"});
+  const Scene bare = bare_scene({"/home/me/a.stl", "b/c.stl", here + "/models/hull.stl"});
   CHECK(bare.bodies[0].mesh == "/home/me/a.stl");
   CHECK(bare.bodies[0].mesh_text == "a.stl");
   CHECK(bare.bodies[1].mesh_text == "b/c.stl");
+  CHECK(bare.bodies[2].mesh_text == "hull.stl");
 }

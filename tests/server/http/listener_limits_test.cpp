@@ -254,6 +254,26 @@ TEST_CASE("many that come at once take the places of idle ones, each of another 
   CHECK(soon([&] { return f.metrics.connections <= 4; }));
 }
 
+TEST_CASE("while an idle connection can't give way at once, no more than a few are served beyond the limit", "[server][listener][threads]") {
+  for (const size_t share : {40, 1000}) {  // the client's own give way, or any
+    Fixture f({.max_connections = 40, .max_connections_per_client = share});
+    std::vector<std::unique_ptr<HttpClient>> clients;
+    for (int i = 0; i < 40; ++i) {
+      clients.push_back(std::make_unique<HttpClient>(f.listener->url()));
+      clients.back()->get("/");
+      REQUIRE(clients.back()->answer().status == 200);
+    }
+    clients[1]->get("/stuck");
+    f.stuck.wait_for(1);
+    const uint64_t before = f.metrics.accepted;
+    for (int i = 0; i < 60; ++i) clients.push_back(std::make_unique<HttpClient>(f.listener->url()));
+    REQUIRE(soon([&] { return f.metrics.accepted == before + 60; }));
+    CHECK(f.metrics.connections <= 40 + ListenerOptions::kMostBeyond);
+    f.stuck.open();
+    CHECK(soon([&] { return f.metrics.connections <= 40; }));
+  }
+}
+
 TEST_CASE("connections beyond the limit are told so while all others are busy, and there is room again when others go", "[server][listener]") {
   Fixture f({.max_connections = 3});
   {

@@ -156,7 +156,7 @@ class TestParts : public Parts {
 
 // A listener that runs while the fixture lives. Answers contain what was asked for.
 struct Fixture {
-  Door door;
+  Door door, stuck;
   Metrics metrics;
   AccessLog log;
   std::atomic<int> parts_made = 0;  // behind the first ones
@@ -191,7 +191,8 @@ struct Fixture {
       });
       return a;
     };
-    Handler h{[=](const Request& r) {
+    Handler h{[=, this](const Request& r) {
+                if (r.target == "/stuck") stuck.wait();  // and with it an io thread
                 if (r.target.starts_with("/held") || r.target.starts_with("/cold") || r.target.starts_with("/parts"))
                   return std::optional<Response>();
                 throw_if_asked(r.target);
@@ -216,6 +217,7 @@ struct Fixture {
   }
   ~Fixture() {
     door.open();
+    stuck.open();
     listener->stop();
   }
   bool stop() {

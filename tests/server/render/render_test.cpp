@@ -251,6 +251,8 @@ TEST_CASE("options that make no sense are usage errors that say what is expected
       {{{"background", "white"}}, "--background: expected #rrggbb"},
       {{{"flat", "maybe"}}, "--flat"},
       {{{"domain", "2"}}, "--domain: expected 0 or 1"},
+      {{{"domain", ""}, {"view", "x"}}, "--view: expected alone, found with --domain"},
+      {{{"domain", ""}, {"from", "1,2,3"}, {"at", "0,0,0"}}, "--domain: expected without --from or without --at"},
   };
   for (const auto& [words, message] : wrong) {
     INFO(words.begin()->first << " " << words.begin()->second);

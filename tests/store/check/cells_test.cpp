@@ -105,7 +105,7 @@ TEST_CASE("walls, components and cells at the sides are those of a search, whate
     store_cells(file, meta, cells.labels);
     const GridReader reader(std::make_unique<InputFile>(file), round % 5 == 0 ? nullptr : std::make_shared<KeptChunks>(round % 5 == 1 ? 0 : 1 << 20));
     const CheckOptions options{.threads = 1 + round % 3, .thin_cells = 1 + round % 8 * 0.5, .narrow_cells = round % 2 * 4.};
-    const CellFacts facts = look_at_cells(reader, options, [](double) {});
+    const CellFacts facts = look_at_cells(reader, std::vector<bool>(labels), options, [](double) {});
     const RayFrame frame = meta.frame();
 
     std::vector<uint32_t> thickness(cells.labels.size());

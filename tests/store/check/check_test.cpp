@@ -1,6 +1,8 @@
 // The document of what is found, and the sentences in it.
 #include "store/check/check.hpp"
 
+#include <sys/resource.h>
+
 #include <numeric>
 
 #include "store/base/error.hpp"
@@ -78,6 +80,29 @@ TEST_CASE("Where the file keeps bodies apart, what is found is about bodies", "[
   REQUIRE(thin != findings.list.end());
   CHECK(thin->bodies == std::vector<std::string>{"plate"});
   CHECK(findings.walls[1].body == "cube");
+}
+
+TEST_CASE("Sheets have no walls, nor has a material that sheets alone have", "[check]") {
+  const TempFolder folder;
+  const shapes::Facets square = {{{Vec3{2, 2, 9.5}, Vec3{18, 2, 9.5}, Vec3{18, 18, 9.5}}}};
+  const oracle::Body plate{.facets = shapes::box({2, 2, 4}, {18, 18, 6}), .material = 1}, sheet{.facets = square, .material = 2, .sheet = true};
+  oracle::Body same = sheet;
+  same.facets = shapes::translate(square, {0, 0, 5}), same.material = 1;
+  const auto walls = [&](const std::vector<oracle::Body>& bodies, bool by_body) {
+    mesher::Scene scene = scene_of(folder, bodies, cube_grid(0, 20, 20));
+    scene.label_by_body = by_body;
+    mesh_quietly(scene, folder / "g.tcell");
+    const Findings findings = check(GridReader(folder / "g.tcell"), {}, [](double) {});
+    std::string out;
+    for (const WallReport& wall : findings.walls) out += fmt::format("{} {} ", wall.body, *wall.thinnest);
+    for (const Finding& f : findings.list)
+      if (f.kind == FindingKind::thin) out += f.bodies[0] + " is thin ";
+    return out;
+  };
+  CHECK(walls({plate, sheet}, true) == "body0 2 body0 is thin ");
+  CHECK(walls({plate, sheet}, false) == "m1 2 m1 is thin ");
+  CHECK(walls({plate, sheet, same}, true) == "body0 2 body0 is thin ");
+  CHECK(walls({plate, sheet, same}, false) == "m1 1 m1 is thin m1 is thin ");
 }
 
 Metadata reported_grid(const char* units) {
@@ -213,6 +238,14 @@ TEST_CASE("The document beside a grid counts only for the cells that it was made
     put(changed);
     CHECK(read_kept_findings(grid, other).empty());
   }
+  put(whole);
+  CHECK(has_kept_findings(grid, other));
+  rlimit limit;
+  REQUIRE(getrlimit(RLIMIT_NOFILE, &limit) == 0);
+  const rlimit none{0, limit.rlim_max};
+  REQUIRE(setrlimit(RLIMIT_NOFILE, &none) == 0);  // no file can be opened
+  CHECK_NOTHROW(has_kept_findings(grid, other));
+  REQUIRE(setrlimit(RLIMIT_NOFILE, &limit) == 0);
   for (const char* text : {"", "{}", "nonsense", R"({"schema":1,"grid_hash":")", R"({"schema":1,"grid_hash":"","cells_hash":")"}) {
     put(text);
     CHECK(read_kept_findings(grid, reader).empty());

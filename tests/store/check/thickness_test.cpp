@@ -131,5 +131,21 @@ TEST_CASE("Long walls along the rays cost no more than short ones, and are as th
   for (const ThinRun& run : runs) REQUIRE((run.from == 7 && run.to == kLong - 9 && run.halves == 6));
 }
 
+TEST_CASE("A ray through very many plates costs no more for each of them", "[check]") {
+  constexpr uint32_t kPlates = 300'000;  // to look at all plates for each of them would take minutes
+  std::vector<SetId> sets{0};
+  std::vector<uint32_t> changes;
+  for (uint32_t plate = 0; plate <= kPlates; ++plate) {  // the last one is thin
+    changes.insert(changes.end(), {20 * plate + 4, 20 * plate + (plate < kPlates ? 16 : 6)});
+    sets.insert(sets.end(), {1, 0});
+  }
+  Field field;
+  field.u = field.v = 0, field.column = {0, 0, 1, 1};
+  field.rays.reset(1, 1, 20 * kPlates + 20);
+  field.rays.append(sets, changes);
+  Thickness thickness({false, true});
+  CHECK(thickness.thin_runs(field) == std::vector<ThinRun>{{0, 0, 20 * kPlates + 4, 20 * kPlates + 6, 1, 4}});
+}
+
 }  // namespace
 }  // namespace teracell

@@ -56,16 +56,18 @@ TEST_CASE("A key that is given twice is refused with its place") {
   CHECK_THROWS_WITH(parse_json(R"({"d": 1, "d": 2})", ""), "d: this key is given twice: keep one of them");
 }
 
-TEST_CASE("A document read part by part hands out the elements of its lists, keeps the rest, and skips what nobody wants") {
+TEST_CASE("A document read part by part hands out the elements of its lists, keeps the rest, and of one object takes only the lists") {
   std::string parts;
   const JsonParts taking{[&](const std::string& list, size_t i, const Json& element) { parts += fmt::format("{}[{}]={} ", list, i, element.dump()); },
                          "s"};
-  const std::string text = R"({"a": [1, {"b": [2, {"s": 3}]}, []], "s": [4, {"a": [5]}], "c": {"d": [6]}, "e": [], "f": [7], "g": 8})";
-  CHECK(parse_json(text, "text", 5 + 3, taking).dump() == R"({"a":[],"c":{"d":[6]},"e":[],"f":[],"g":8})");
-  CHECK(parts == R"(a[0]=1 a[1]={"b":[2,{"s":3}]} a[2]=[] f[0]=7 )");
+  const std::string text =
+      R"({"a": [1, {"b": [2, {"s": 3}]}, []], "s": {"x": 4, "y": {"a": [5]}, "a": [{"b": 9}, 2], "x": 1}, "c": {"d": [6]}, "e": [], "f": [7], "g": 8})";
+  CHECK(parse_json(text, "text", 7 + 3, taking).dump() == R"({"a":[],"s":{"a":[]},"c":{"d":[6]},"e":[],"f":[],"g":8})");
+  CHECK(parts == R"(a[0]=1 a[1]={"b":[2,{"s":3}]} a[2]=[] s.a[0]={"b":9} s.a[1]=2 f[0]=7 )");
   CHECK_THROWS_WITH(parse_json(R"({"a": [1, 2, {"b": 1, "b": 2}]})", "", 8, taking), Catch::StartsWith("a[2].b: "));
+  CHECK_THROWS_WITH(parse_json(R"({"s": {"c": 1, "a": [1, {"b": 1, "b": 2}]}})", "", 8, taking), Catch::StartsWith("s.a[1].b: "));
   CHECK_THROWS_WITH(parse_json(R"({"a": [[1, 2, 3]]})", "", 4, taking), Catch::Contains("at most 4 values"));
-  CHECK_THROWS_WITH(parse_json(R"({"s": )" + nested(64) + "}", "", 4, taking), Catch::Contains("at most 64 levels"));
+  CHECK_THROWS_WITH(parse_json(R"({"s": {"c": {"d": )" + nested(62) + "}}}", "", 4, taking), Catch::Contains("at most 64 levels"));
   for (const char* other : {"[[1], [2]]", "3", R"("s")"}) CHECK(parse_json(other, "", 5, taking).dump() == Json::parse(other).dump());
 }
 

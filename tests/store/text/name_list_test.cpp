@@ -64,6 +64,9 @@ TEST_CASE("A name or a value that is missing, and a quote without its end, are r
     CHECK_THROWS_AS(assignments_in(list, "--map"), UsageError);
     CHECK_THROWS_WITH(assignments_in(list, "--map"), Catch::StartsWith("--map: expected "));
   }
+  CHECK_THROWS_WITH(assignments_in(R"("steel, 2 ""mm""")", "--map"), Catch::EndsWith(R"(found '"steel, 2 ""mm"""')"));
+  CHECK_THROWS_WITH(assignments_in(R"(a=1,"b,c","d")", "--map"), Catch::EndsWith(R"(found '"b,c"' in a=1,"b,c","d")"));
+  CHECK_THROWS_WITH(assignments_in(R"(a"b,c"=1)", "--map"), Catch::EndsWith(R"(found 'a"b')"));
 }
 
 }  // namespace

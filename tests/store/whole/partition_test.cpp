@@ -2,6 +2,7 @@
 #include "store/whole/partition.hpp"
 
 #include "store/teracell.h"
+#include "store/whole/near_parts.hpp"
 #include "tests/support/checked.hpp"
 
 using namespace teracell;
@@ -148,6 +149,21 @@ TEST_CASE("The parts do not depend on the axis of the rays where all cells weigh
       CHECK(heaviest <= (ranks == 27 ? 1.1 : 1.05) * p.total / static_cast<double>(ranks));
       CHECK(static_cast<double>(faces) <=
             1.35 * 6 * std::pow(64 * 64 * 64 / static_cast<double>(ranks), 2. / 3) * static_cast<double>(ranks));  // compact
+    }
+  }
+}
+
+TEST_CASE("Of slabs, only those beside each other are compared, whatever axis they lie along") {
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<Part> slabs(1000);
+    for (size_t i = 0; i < slabs.size(); ++i) {
+      slabs[i].box = {{0, 0, 0}, {7, 7, 7}};
+      slabs[i].box.lo[axis] = static_cast<int64_t>(i) * 4, slabs[i].box.hi[axis] = static_cast<int64_t>(i + 1) * 4;
+    }
+    for (const int64_t reach : {0, 1, 5}) {
+      int64_t compared = 0;
+      for_each_near_pair(slabs, reach, [&](size_t, size_t) { ++compared; });
+      CHECK(compared == (reach == 0 ? 0 : reach == 1 ? 999 : 999 + 998));
     }
   }
 }

@@ -76,17 +76,17 @@ Run setup_check(CLI::App& app) {
   const auto o = std::make_shared<CheckArguments>();
   add_grid(app, o->grid);
   app.add_option("-o,--output", o->output, "where to keep what is found (default: beside the grid, as G.check.json; nowhere for an address)");
-  const auto cells = [&](const char* name, double& value, const char* what) {
-    app.add_option(name, value, what)->check(CLI::Range(0., 8.))->capture_default_str();
-  };
-  cells("--thin-cells", o->options.thin_cells, "walls that are thinner than this many cells are found");
-  cells("--narrow-cells", o->options.narrow_cells, "gaps of the background that are narrower than this many cells are found");
+  app.add_option("--thin-cells", o->options.thin_cells, "walls that are thinner than this many cells are found (default 3)")->check(in_range(0, 8));
+  app.add_option("--narrow-cells", o->options.narrow_cells,
+                 "gaps of the background that are narrower than this many cells are found (default 0: none)")
+      ->check(in_range(0, 8));
   add_threads(app, o->options.threads);
   app.add_flag("--json", o->json, "as JSON");
   add_progress(app, o->progress);
   app.footer(
-      "The thickness of a wall is that of the largest balls in it, in cells: a step, or a pole that the grid grazes, is none. The exit status is 0 whatever is found. The dashboard shows what is kept beside the\n"
-      "grid. Example:\n  teracell check g.tcell");
+      "The thickness of a wall is that of the largest balls in it, in cells: a step, or a pole that the grid grazes, is none.\n"
+      "The exit status is 0 whatever is found. The dashboard shows what is kept beside the grid. Example:\n"
+      "  teracell check g.tcell");
   return [o] { run(*o); };
 }
 

@@ -206,7 +206,7 @@ mesher::MeshOptions mesh_options(const MeshArguments& o, int share) {
 void warn_of_leftovers(const MeshArguments& o, const std::filesystem::path& file) {
   if (o.resume || !left_behind(file)) return;
   const bool could_resume = std::filesystem::exists(file.string() + ".resume");
-  warn(fmt::format("warning: {}.partial is thrown away: a killed run has left it{}", file.string(),
+  warn(fmt::format("warning: {}.partial will be thrown away when the grid is begun: a killed run has left it{}", file.string(),
                    could_resume ? ", and --resume would go on with it" : ""));
 }
 

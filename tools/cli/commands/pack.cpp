@@ -1,5 +1,8 @@
 // teracell pack: the same cells laid out for reading from far away.
 #include "store/whole/pack.hpp"
+
+#include <fmt/format.h>
+
 #include "store/base/output_file.hpp"
 #include "store/check/kept.hpp"
 #include "tools/cli/command.hpp"
@@ -15,14 +18,16 @@ struct PackArguments {
   int threads = 0;
 };
 
-// What was found in the cells goes with them.
-void keep_findings(const PackArguments& o) {
+// What was found in the cells goes with them, if it can: the packed grid is complete without it.
+void keep_findings(const PackArguments& o) try {
   std::string found = read_kept_findings(o.grid.name, GridReader(o.output));
   if (found.empty()) return;
   found += '\n';
   OutputFile file(kept_findings(o.output));
   file.append({reinterpret_cast<const uint8_t*>(found.data()), found.size()});
   file.commit();
+} catch (const IoError& e) {
+  warn(fmt::format("warning: {} does not get what was found in the cells of {}: {}", o.output, o.grid.name, e.what()));
 }
 
 void run(const PackArguments& o) {

@@ -102,19 +102,20 @@ uint64_t least_vertices(const Export& e, const std::vector<bool>& chosen) {
   const SetValue material = strongest_material(e.reader.meta());
   const RayFrame frame = e.reader.meta().frame();
   uint64_t out = 0;
-  Chunk chunk;
+  e.reader.prefetch(e.level, e.box);
+  std::shared_ptr<Chunk> scratch;
   for_each_part(shape, RayBox(e.box, frame), [&](const ChunkPart& p) {
     e.progress(0);
     const bool first = p.first_w + p.w0 == e.box.lo[frame.w], last = p.first_w + p.w1 == e.box.hi[frame.w];
-    if (const auto entry = e.reader.entry(p.key); entry->size == 0) {
-      if (chosen[material(entry->uniform)]) out += uint64_t{p.u1 - p.u0} * (p.v1 - p.v0) * (first + last);
+    if (const auto set = e.reader.uniform(p.key)) {
+      if (chosen[material(*set)]) out += uint64_t{p.u1 - p.u0} * (p.v1 - p.v0) * (first + last);
       return;
     }
-    e.reader.read(p.key, chunk);
+    const auto chunk = e.reader.chunk(p.key, scratch);
     SetMemo<bool> known;
     bool before = false;
-    for_each_part_run(chunk.rays, p, [&](uint32_t, uint32_t, uint32_t from, uint32_t to, SetId set) {
-      const bool in = known.get(set, [&] { return chosen[material(chunk.sets.members(set))]; });
+    for_each_part_run(chunk->rays, p, [&](uint32_t, uint32_t, uint32_t from, uint32_t to, SetId set) {
+      const bool in = known.get(set, [&] { return chosen[material(chunk->sets.members(set))]; });
       out += from == p.w0 ? first && in : in != before;
       out += to == p.w1 && last && in;
       before = in;
@@ -133,7 +134,7 @@ Surface::Surface(const Export& e, Leg leg, const Room& room)
   }
   find_blocks(leg);
   if (facets_ > 0) return;
-  const std::string names = quoted_names(e.reader.meta().materials, chosen_);
+  const std::string names = chosen_names(e.reader.meta().materials, chosen_);
   throw UsageError(fmt::format("the surface would have no facet: expected cells of {} in the box, found none; --material chooses other materials",
                                names.empty() ? "a material beside the background" : names));
 }

@@ -76,7 +76,7 @@ void expect_labels_for_cells(const Export& e, const Division& d, uint32_t ranks)
 void expect_cells(const Export& e, const Division& d, int64_t cells) {
   if (cells > 0) return;
   throw UsageError(fmt::format("the mesh would have no cell: expected cells of {} in the box, found none; --fluid chooses other materials",
-                               quoted_names(e.reader.meta().materials, d.in_mesh)));
+                               chosen_names(e.reader.meta().materials, d.in_mesh)));
 }
 
 // Finds the regions, if that is asked for, and the number of cells.
