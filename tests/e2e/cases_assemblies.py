@@ -1,0 +1,105 @@
+"""Assemblies: the same cells as their parts placed by a scene, whatever the format; what `info` says of them."""
+import json
+import os
+
+import assemblies
+import solids
+from program import Case, teracell
+
+
+def glob_of(path):
+    return "".join("\\" + c if c in "*?[\\" else c for c in path.replace("a/b", "a\\/b")) if "a/b" not in path else path.replace("a/b [1]*", "a\\/b \\[1]\\*")
+
+
+class Assemblies(Case):
+    def setUp(self):
+        super().setUp()
+        self.roots, self.shapes = assemblies.machine()
+        self.parts = list(assemblies.parts_of(self.roots))
+        self.write("m.glb", assemblies.glb(self.roots, self.shapes))
+        doc, buffer = assemblies.gltf(self.roots, self.shapes)
+        doc["buffers"][0]["uri"] = "the%20buffer.bin"
+        self.write("the buffer.bin", buffer)
+        self.write("m.gltf", json.dumps(doc))
+        self.write("e.gltf", assemblies.embedded_gltf(self.roots, self.shapes))
+        assemblies.threemf(self.path("m.3mf"), self.roots, self.shapes, "meter")
+        for i, facets in enumerate(self.shapes):
+            self.write(f"{i}.stl", solids.binary_stl(facets))
+
+    def scene(self, bodies, units="m", **keys):
+        domain = {"m": 1, "cm": 100}[units]
+        return {"units": units, "grid": {"min": [-domain, -domain, -domain], "max": [15 * domain, 15 * domain, 11 * domain], "cells": [64, 61, 57]},
+                "label_by": "body", "materials": {"air": {"color": "#00000000"}, "steel": {"color": "#8899aa"}}, "bodies": bodies, **keys}
+
+    def mesh(self, name, bodies, **keys):
+        self.write(name + ".json", self.scene(bodies, **keys))
+        self.run_ok("mesh", name + ".json", "-o", name + ".tcell")
+        return self.json_of("stats", name + ".tcell", "--bodies")
+
+    def test_every_format_gives_the_cells_of_the_parts_placed_by_a_scene(self):
+        expected = self.mesh("stl", [{"name": p, "mesh": f"{s}.stl", "material": "steel", "matrix": m, "note": "a part"} for p, s, m in self.parts], note="of parts")
+        for file in ("m.glb", "m.gltf", "e.gltf", "m.3mf"):
+            found = self.mesh("g", [{"name": p, "mesh": file, "part": glob_of(p), "material": "steel"} for p, _, _ in self.parts])
+            self.assertEqual(found, expected, file)
+            self.assertIn("0 of", self.run_ok("diff", "stl.tcell", "g.tcell").out.replace("the grids are equal", "0 of"))
+
+    def test_units_are_converted_once_whatever_the_scene_has(self):
+        cm = self.mesh("cm", [{"name": "all", "mesh": "m.glb", "material": "steel"}], units="cm")
+        m = self.mesh("m", [{"name": "all", "mesh": "m.3mf", "material": "steel"}])
+        cells = [[b["cells"] for b in s["bodies"]] for s in (cm, m)]
+        self.assertEqual(*cells)
+        report = self.json_of("info", "cm.tcell")["report"]["inputs"][0]
+        self.assertEqual((report["unit"], report["factor"]), ("m", 100))
+
+    def test_bare_assemblies_take_their_unit_or_another(self):
+        self.run_ok("mesh", "m.3mf", "--cells", 40, "-o", "a.tcell")
+        self.assertEqual(self.json_of("info", "a.tcell")["units"], "m")
+        self.run_ok("mesh", "m.glb", "--units", "mm", "--cells", 40, "-o", "b.tcell")
+        b = self.json_of("info", "b.tcell")
+        self.assertEqual(b["units"], "mm")
+        self.assertEqual({p["name"] for p in b["patches"]} >= {"/plate", "/left/болт", "/right/支持体/a\\/b \\[1]\\*"} if "patches" in b else True, True)
+        r = teracell("mesh", "m.glb", "--units", "parsec", "--cells", 40, "-o", "c.tcell", cwd=self.folder)
+        self.assertEqual((r.status, "expected m, cm, mm, um, nm, in or ft, found 'parsec'" in r.err), (2, True), r.err)
+
+    def test_runs_that_spill_and_shards_see_the_same_parts(self):
+        bodies = [{"name": p, "mesh": "m.3mf", "part": glob_of(p), "material": "steel"} for p, _, _ in self.parts]
+        self.mesh("whole", bodies)
+        for i in (0, 1):
+            self.run_ok("mesh", "whole.json", "--shard", f"{i}/2", "-o", "s.tcell")
+        self.run_ok("merge", "s.tcell.shard-0-of-2", "s.tcell.shard-1-of-2", "-o", "s.tcell")
+        self.assertEqual(self.bytes("s.tcell"), self.bytes("whole.tcell"))
+
+    def test_info_shows_the_tree(self):
+        out = self.run_ok("info", "m.glb").out
+        for line in ("m.glb: GLB, in m, 7 parts of 4 kinds, ", "├─ болт ", "│  └─ a/b [1]* ", "plate "):
+            self.assertIn(line, out)
+        found = self.json_of("info", "m.3mf", "m.glb")
+        for file, unit, form in zip(found["files"], ("m", "m"), ("3mf", "glb")):
+            self.assertEqual((file["unit"], file["format"]), (unit, form))
+            kinds = {p["path"]: p for p in file["parts"]}
+            self.assertEqual(kinds["/plate"]["box"], [0, 0, 0, 12, 8, 1])
+            self.assertAlmostEqual(kinds["/plate"]["volume"], 96)
+            self.assertAlmostEqual(kinds["/plate"]["area"], 232)
+            bolt = kinds["/left/bolt"]
+            self.assertEqual((bolt["facets"], bolt["closed"], bolt["open_edges"]), (8, True, 0))
+            self.assertAlmostEqual(bolt["volume"], 32 / 3 * 0.25 * 0.25 * 0.75)
+        self.assertEqual({p["path"]: p["instances"] for p in found["files"][1]["parts"]},
+                         {"/plate": 1, "/left/bolt": 2, "/left/болт": 2, "/left/支持体/a\\/b \\[1]\\*": 2})
+
+    def test_info_of_surfaces(self):
+        self.write("two.obj", "o a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\no b\nf 1 3 2\nf 1 2 4\nf 1 4 3\n")
+        out = self.run_ok("info", "two.obj").out
+        self.assertIn("two.obj: OBJ, no unit stated, 2 parts, 1 × 1 × 1", out)
+        self.assertIn("open: 3 edges", out)
+        self.assertEqual([(p["path"], p["closed"], p["open_edges"]) for p in self.json_of("info", "two.obj")["files"][0]["parts"]],
+                         [("/a", True, 0), ("/b", False, 3)])
+        r = teracell("info", "nothing.stl", cwd=self.folder)
+        self.assertEqual((r.status, "nothing.stl" in r.err), (1, True))
+
+    def test_a_missing_or_changed_buffer_is_named(self):
+        os.remove(self.path("the buffer.bin"))
+        r = teracell("mesh", "m.gltf", "--cells", 40, "-o", "a.tcell", cwd=self.folder)
+        self.assertEqual((r.status, "buffers[0]" in r.err and "the buffer.bin" in r.err), (1, True), r.err)
+        self.write("the buffer.bin", b"short")
+        r = teracell("mesh", "m.gltf", "--cells", 40, "-o", "a.tcell", cwd=self.folder)
+        self.assertEqual((r.status, "buffers[0]: cut short" in r.err), (1, True), r.err)
