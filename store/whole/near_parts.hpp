@@ -1,16 +1,16 @@
-// Which parts of a partition can meet: those whose stretches of one axis do.
+// Which parts of a partition can meet: those whose boxes' stretches of one axis do.
 #pragma once
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <numeric>
 #include <vector>
-
-#include "store/whole/partition.hpp"
 
 namespace teracell::inline store {
 
 // The axis along which the parts begin at most places: slabs differ along one alone.
-inline int sweep_axis(const std::vector<Part>& parts) {
+template <class Part>
+int sweep_axis(const std::vector<Part>& parts) {
   std::array<std::ptrdiff_t, 3> places;
   std::vector<int64_t> lo(parts.size());
   for (int d = 0; d < 3; ++d) {
@@ -22,7 +22,7 @@ inline int sweep_axis(const std::vector<Part>& parts) {
 }
 
 // Sweeps along this axis. Calls near(i, j) once for each two parts whose stretches, one of them longer by `reach` cells, overlap.
-template <class Near>
+template <class Part, class Near>
 void for_each_near_pair(const std::vector<Part>& parts, int64_t reach, Near&& near) {
   const int axis = sweep_axis(parts);
   const auto lo = [&](size_t i) { return parts[i].box.lo[axis]; };

@@ -6,6 +6,7 @@
 #include "store/text/json_node.hpp"
 #include "store/text/json_writer.hpp"
 #include "store/whole/near_parts.hpp"
+#include "store/whole/partition.hpp"
 
 namespace teracell::inline store {
 namespace {
