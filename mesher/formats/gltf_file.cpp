@@ -184,7 +184,7 @@ void GltfFile::parse(const std::string& text) {
                                   const std::string where = fmt::format("{}[{}]", list, i);
                                   naming(where, [&] { take(list, JsonNode(element, where)); });
                                 },
-                                .skipped = "extensions"});
+                                .within = "extensions"});
   const JsonNode root(rest, "the JSON");
   const JsonNode asset = root.require("asset");
   const std::string version = asset.require("version").any_text();

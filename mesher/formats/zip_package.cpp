@@ -1,141 +1,114 @@
 #include "mesher/formats/zip_package.hpp"
 
-#include <zip.h>
+#include <unzip.h>
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
+#include <cstdio>
 #include <exception>
+#include <memory>
+#include <utility>
 
 #include <fmt/format.h>
 
-#include "mesher/surface/reader.hpp"
 #include "store/base/error.hpp"
 
 namespace teracell::mesher {
 namespace {
 
-// libzip lists all files in memory, some hundred bytes each.
-constexpr uint64_t kMostFiles = uint64_t{1} << 16;
 // Models are packed 5 to 30 times; what is made to fill a disk is packed a thousand times.
 constexpr uint64_t kMostTimes = 250, kHarmless = uint64_t{1} << 26;
 
-struct Discard {
-  void operator()(zip_file* file) const { zip_fclose(file); }
-};
-
-// The number of files that the end of the package states: at most the 65,535 that fit there, for of larger packages the list is read from
-// elsewhere; those are refused.
-uint64_t stated_files(const Contents& contents) {
-  constexpr uint64_t kEnd = 22, kMostComment = 65535;
-  std::string tail(std::min(contents.size(), kEnd + kMostComment), '\0');
-  contents.read(contents.size() - tail.size(), tail);
-  const size_t at = tail.rfind("PK\5\6");
-  if (at == std::string::npos || at + kEnd > tail.size()) return 0;
-  return static_cast<uint8_t>(tail[at + 10]) | static_cast<uint64_t>(static_cast<uint8_t>(tail[at + 11])) << 8;
-}
-
 }  // namespace
 
-// What libzip reads from.
+// What Minizip reads from.
 struct ZipPackage::Source {
   const Contents* contents;
   uint64_t at = 0;
-  std::exception_ptr failure;  // must not pass through libzip
-  zip_error_t error{};
+  std::exception_ptr failure;  // must not pass through Minizip
 
-  static zip_int64_t call(void* state, void* data, zip_uint64_t length, zip_source_cmd_t command) {
-    auto& self = *static_cast<Source*>(state);
-    switch (command) {
-      case ZIP_SOURCE_OPEN: self.at = 0; return 0;
-      case ZIP_SOURCE_READ: return self.read({static_cast<char*>(data), length});
-      case ZIP_SOURCE_SEEK: {
-        const zip_int64_t to = zip_source_seek_compute_offset(self.at, self.contents->size(), data, length, &self.error);
-        if (to < 0) return -1;
-        self.at = static_cast<uint64_t>(to);
-        return 0;
-      }
-      case ZIP_SOURCE_TELL: return static_cast<zip_int64_t>(self.at);
-      case ZIP_SOURCE_STAT: {
-        auto* stat = ZIP_SOURCE_GET_ARGS(zip_stat_t, data, length, &self.error);
-        if (!stat) return -1;
-        zip_stat_init(stat);
-        stat->size = self.contents->size();
-        stat->valid = ZIP_STAT_SIZE;
-        return sizeof *stat;
-      }
-      case ZIP_SOURCE_ERROR: return zip_error_to_data(&self.error, data, length);
-      case ZIP_SOURCE_CLOSE:
-      case ZIP_SOURCE_FREE: return 0;
-      case ZIP_SOURCE_SUPPORTS:
-        return zip_source_make_command_bitmap(ZIP_SOURCE_OPEN, ZIP_SOURCE_READ, ZIP_SOURCE_SEEK, ZIP_SOURCE_TELL, ZIP_SOURCE_STAT, ZIP_SOURCE_ERROR,
-                                              ZIP_SOURCE_CLOSE, ZIP_SOURCE_FREE, -1);
-      default: zip_error_set(&self.error, ZIP_ER_OPNOTSUPP, 0); return -1;
-    }
-  }
-
-  zip_int64_t read(std::span<char> out) {
-    const size_t some = std::min<uint64_t>(out.size(), contents->size() - std::min(at, contents->size()));
+  static uLong read(void* self, void*, void* to, uLong bytes) {
+    auto& s = *static_cast<Source*>(self);
+    const size_t some = std::min<uint64_t>(bytes, s.contents->size() - std::min(s.at, s.contents->size()));
     try {
-      contents->read(at, out.first(some));
+      s.contents->read(s.at, {static_cast<char*>(to), some});
     } catch (...) {
-      failure = std::current_exception();
-      zip_error_set(&error, ZIP_ER_READ, EIO);
-      return -1;
+      s.failure = std::current_exception();
+      return 0;
     }
-    at += some;
-    return static_cast<zip_int64_t>(some);
+    s.at += some;
+    return some;
+  }
+  static long seek(void* self, void*, ZPOS64_T offset, int origin) {
+    auto& s = *static_cast<Source*>(self);
+    const uint64_t from = origin == SEEK_SET ? 0 : origin == SEEK_CUR ? s.at : s.contents->size();
+    if (offset > s.contents->size() || from > s.contents->size() - offset) return -1;
+    s.at = from + offset;
+    return 0;
+  }
+  zlib_filefunc64_def functions() {
+    zlib_filefunc64_def f{};
+    f.opaque = this;
+    f.zopen64_file = [](void* self, const void*, int) { return self; };
+    f.zread_file = read;
+    f.zwrite_file = [](void*, void*, const void*, uLong) -> uLong { return 0; };
+    f.ztell64_file = [](void* self, void*) -> ZPOS64_T { return static_cast<Source*>(self)->at; };
+    f.zseek64_file = seek;
+    f.zclose_file = [](void*, void*) { return 0; };
+    f.zerror_file = [](void* self, void*) { return static_cast<Source*>(self)->failure ? 1 : 0; };
+    return f;
   }
   void rethrow() {
     if (failure) std::rethrow_exception(std::exchange(failure, nullptr));
   }
 };
 
-void ZipPackage::Close::operator()(zip* package) const { zip_discard(package); }
+void ZipPackage::Close::operator()(void* package) const { unzClose(package); }
 
 ZipPackage::ZipPackage(std::string name, const Contents& contents)
     : name_(std::move(name)), source_(std::make_unique<Source>(Source{.contents = &contents, .failure = {}})) {
-  if (stated_files(contents) == kMostFiles - 1)
-    throw InputError(fmt::format("{}: expected a package of fewer than {} files, found more", name_, kMostFiles - 1));
-  zip_error_t error;
-  zip_error_init(&error);
-  zip_source_t* source = zip_source_function_create(&Source::call, source_.get(), &error);
-  if (!source) throw std::bad_alloc();
-  zip_.reset(zip_open_from_source(source, ZIP_RDONLY, &error));
-  if (zip_) return;
-  const std::string why = zip_error_strerror(&error);
-  zip_error_fini(&error);
-  zip_source_free(source);
+  zlib_filefunc64_def functions = source_->functions();
+  zip_.reset(unzOpen2_64("", &functions));
   source_->rethrow();
-  throw InputError(fmt::format("{}: not a sound ZIP package: {}: is the file cut short?", name_, why));
+  if (!zip_) throw InputError(fmt::format("{}: not a sound ZIP package: its list of files is not at its end: is the file cut short?", name_));
 }
 
 ZipPackage::~ZipPackage() = default;
 
-bool ZipPackage::has(const std::string& file) const { return zip_name_locate(zip_.get(), file.c_str(), ZIP_FL_NOCASE) >= 0; }
+bool ZipPackage::has(const std::string& file) const {
+  constexpr int kAnyCase = 2;
+  return unzLocateFile(zip_.get(), file.c_str(), kAnyCase) == UNZ_OK;
+}
 
 void ZipPackage::read(const std::string& file, const std::function<bool(std::string_view)>& take) const {
   const auto refuse = [&](const std::string& why) {
     source_->rethrow();
     throw InputError(fmt::format("{}: {} in the package: {}", name_, shown(file), why));
   };
-  const zip_int64_t number = zip_name_locate(zip_.get(), file.c_str(), ZIP_FL_NOCASE);
-  zip_stat_t stat;
-  if (number < 0 || zip_stat_index(zip_.get(), static_cast<zip_uint64_t>(number), 0, &stat) != 0) refuse("expected a file, found none");
-  if (stat.encryption_method != ZIP_EM_NONE) refuse("expected a file that is not encrypted");
-  const std::unique_ptr<zip_file, Discard> opened(zip_fopen_index(zip_.get(), static_cast<zip_uint64_t>(number), 0));
-  if (!opened) refuse(zip_strerror(zip_.get()));
+  if (!has(file)) refuse("expected a file, found none");
+  unz_file_info64 info{};
+  if (unzGetCurrentFileInfo64(zip_.get(), &info, nullptr, 0, nullptr, 0, nullptr, 0) != UNZ_OK) refuse("its entry in the list of files is damaged");
+  if ((info.flag & 1) != 0) refuse("expected a file that is not encrypted");
+  if (info.compression_method != 0 && info.compression_method != Z_DEFLATED)
+    refuse(fmt::format("expected a file that is stored or deflated, found compression method {}", info.compression_method));
+  if (unzOpenCurrentFile(zip_.get()) != UNZ_OK) refuse("it isn't where the list of files says: is the package damaged?");
+  const auto close = [](void* package) { unzCloseCurrentFile(package); };
+  std::unique_ptr<void, decltype(close)> opened(zip_.get(), close);
   std::array<char, 1 << 16> block;
-  for (uint64_t unpacked = 0;;) {
-    const zip_int64_t got = zip_fread(opened.get(), block.data(), block.size());
-    if (got < 0) refuse(zip_file_strerror(opened.get()));
-    if (got == 0) return;
+  uint64_t unpacked = 0;
+  for (;;) {
+    const int got = unzReadCurrentFile(opened.get(), block.data(), block.size());
+    if (got < 0) refuse("its compressed bytes are damaged");
+    if (got == 0) break;
     unpacked += static_cast<uint64_t>(got);
-    if (unpacked > kHarmless && unpacked / kMostTimes > stat.comp_size)
-      refuse(fmt::format("its {} bytes unpack to more than {} times as many: no model is packed so well, so nothing more is unpacked", stat.comp_size,
+    if (unpacked > kHarmless && unpacked / kMostTimes > info.compressed_size)
+      refuse(fmt::format("its {} bytes unpack to more than {} times as many: no model is packed so well, so nothing more is unpacked", info.compressed_size,
                          kMostTimes));
     if (!take({block.data(), static_cast<size_t>(got)})) return;
   }
+  if (unpacked != info.uncompressed_size)
+    refuse(fmt::format("cut short: expected {} bytes, found {}", info.uncompressed_size, unpacked));
+  if (unzCloseCurrentFile(opened.release()) == UNZ_CRCERROR) refuse("its bytes are not those that its checksum is of: is the package damaged?");
 }
 
 }  // namespace teracell::mesher

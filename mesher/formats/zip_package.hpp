@@ -1,4 +1,4 @@
-// A ZIP package, such as a 3MF file: its files are unpacked as a stream, by libzip.
+// A ZIP package, such as a 3MF file: its files are unpacked as a stream, by Minizip, which comes with zlib.
 #pragma once
 #include <functional>
 #include <memory>
@@ -7,13 +7,11 @@
 
 #include "mesher/surface/contents.hpp"
 
-struct zip;
-
 namespace teracell::mesher {
 
 class ZipPackage {
  public:
-  // Throws InputError when this is no package, or has too many files to be listed in memory. `contents` must outlive it.
+  // Throws InputError when this is no package. `contents` must outlive it.
   ZipPackage(std::string name, const Contents& contents);
   ~ZipPackage();
   const std::string& name() const { return name_; }
@@ -25,11 +23,11 @@ class ZipPackage {
  private:
   struct Source;
   struct Close {
-    void operator()(zip*) const;
+    void operator()(void*) const;
   };
   std::string name_;
   std::unique_ptr<Source> source_;
-  std::unique_ptr<zip, Close> zip_;
+  std::unique_ptr<void, Close> zip_;
 };
 
 }  // namespace teracell::mesher

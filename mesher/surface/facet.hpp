@@ -6,6 +6,7 @@
 #include <functional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "mesher/surface/units.hpp"
@@ -45,5 +46,8 @@ inline bool is_coordinate(double v) {
 }
 // Returns v, with -0 as +0. Throws InputError, which begins with `where`, unless v is a coordinate.
 double checked_coordinate(double v, const std::string& where);
+
+// Text from a file as messages show it: quoted, printable, at most a few dozen characters.
+std::string shown(std::string_view text);
 
 }  // namespace teracell::mesher

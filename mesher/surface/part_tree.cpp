@@ -4,7 +4,6 @@
 
 #include <fmt/format.h>
 
-#include "mesher/surface/reader.hpp"
 #include "store/base/error.hpp"
 #include "store/text/text.hpp"
 

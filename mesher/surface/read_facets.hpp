@@ -1,4 +1,4 @@
-// Reads a surface file as a stream of facets. Formats: STL (binary, ASCII), OBJ, and PLY (ASCII, binary in either byte order),
+// Reads a surface file as a stream of facets. Formats: STL (binary, ASCII), OBJ, PLY (ASCII, binary in either byte order), OFF, 3MF and glTF,
 // each plain or compressed by gzip. The format is recognised from the content, never from the name.
 //
 // Vertices are doubles that hold exactly what the file declares: numbers of an ASCII STL and PLY `float` are rounded once, to

@@ -123,11 +123,6 @@ void FacetStream::finish(const std::string& name, SurfaceFile& file) {
   for (std::string& w : warnings_) file.warnings.push_back(std::move(w));
 }
 
-std::string shown(std::string_view text) {
-  constexpr size_t kLongest = 48;
-  return fmt::format("'{}{}'", printable(text.substr(0, kLongest)), text.size() > kLongest ? "..." : "");
-}
-
 float round_extreme(std::string_view word, float) { return strtof_l(std::string(word).c_str(), nullptr, c_locale()); }
 double round_extreme(std::string_view word, double) { return strtod_l(std::string(word).c_str(), nullptr, c_locale()); }
 

@@ -1,4 +1,4 @@
-// What the surface readers (stl, obj, ply) share: how a reader is chosen, where facets go, how words and numbers of a text are
+// What the surface readers (mesher/formats) share: how a reader is chosen, where facets go, how words and numbers of a text are
 // read. Private to the readers; others include read_facets.hpp.
 #pragma once
 #include <algorithm>
@@ -115,9 +115,6 @@ inline bool is_keyword(std::string_view word, std::string_view keyword) {
     if ((word[i] | 32) != keyword[i]) return false;
   return true;
 }
-
-// Text from a file as messages show it: quoted, printable, at most a few dozen characters.
-std::string shown(std::string_view text);
 
 // The word without a leading '+', which std::from_chars does not accept.
 inline std::string_view without_plus(std::string_view word) {

@@ -8,7 +8,7 @@ from program import Case, teracell
 
 
 def glob_of(path):
-    return "".join("\\" + c if c in "*?[\\" else c for c in path.replace("a/b", "a\\/b")) if "a/b" not in path else path.replace("a/b [1]*", "a\\/b \\[1]\\*")
+    return path.replace("a/b [1]*", "a\\/b \\[1]\\*")
 
 
 class Assemblies(Case):
@@ -41,7 +41,7 @@ class Assemblies(Case):
         for file in ("m.glb", "m.gltf", "e.gltf", "m.3mf"):
             found = self.mesh("g", [{"name": p, "mesh": file, "part": glob_of(p), "material": "steel"} for p, _, _ in self.parts])
             self.assertEqual(found, expected, file)
-            self.assertIn("0 of", self.run_ok("diff", "stl.tcell", "g.tcell").out.replace("the grids are equal", "0 of"))
+            self.assertIn("the grids are equal", self.run_ok("diff", "stl.tcell", "g.tcell").out)
 
     def test_units_are_converted_once_whatever_the_scene_has(self):
         cm = self.mesh("cm", [{"name": "all", "mesh": "m.glb", "material": "steel"}], units="cm")
@@ -57,7 +57,7 @@ class Assemblies(Case):
         self.run_ok("mesh", "m.glb", "--units", "mm", "--cells", 40, "-o", "b.tcell")
         b = self.json_of("info", "b.tcell")
         self.assertEqual(b["units"], "mm")
-        self.assertEqual({p["name"] for p in b["patches"]} >= {"/plate", "/left/болт", "/right/支持体/a\\/b \\[1]\\*"} if "patches" in b else True, True)
+        self.assertLessEqual({"/plate", "/left/болт", "/right/支持体/a\\/b \\[1]\\*"}, {p["name"] for p in b["patches"]})
         r = teracell("mesh", "m.glb", "--units", "parsec", "--cells", 40, "-o", "c.tcell", cwd=self.folder)
         self.assertEqual((r.status, "expected m, cm, mm, um, nm, in or ft, found 'parsec'" in r.err), (2, True), r.err)
 
@@ -71,7 +71,7 @@ class Assemblies(Case):
 
     def test_info_shows_the_tree(self):
         out = self.run_ok("info", "m.glb").out
-        for line in ("m.glb: GLB, in m, 7 parts of 4 kinds, ", "├─ болт ", "│  └─ a/b [1]* ", "plate "):
+        for line in ("m.glb: GLB, in m, 7 parts of 4 kinds, ", "├─ болт ", "   └─ a/b [1]* ", "plate "):
             self.assertIn(line, out)
         found = self.json_of("info", "m.3mf", "m.glb")
         for file, unit, form in zip(found["files"], ("m", "m"), ("3mf", "glb")):
