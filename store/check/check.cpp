@@ -6,6 +6,7 @@
 
 #include "store/check/cells.hpp"
 #include "store/check/reported.hpp"
+#include "store/text/text.hpp"
 
 namespace teracell::inline store {
 namespace {
@@ -50,7 +51,7 @@ class Sentences {
     const LabelInfo& l = meta_.labels[label];
     return l.body.empty() ? meta_.materials[l.material].name : l.body;
   }
-  static std::string cells_of(const Component& c) { return fmt::format("{} {}", grouped(c.cells), c.cells == 1 ? "cell" : "cells"); }
+  static std::string cells_of(const Component& c) { return counted(c.cells, "cell"); }
   Vec3 centre(const std::array<uint32_t, 3>& zyx) const {
     Vec3 out;
     for (size_t d = 0; d < 3; ++d) out[d] = meta_.grid.axis[d].centre(zyx[2 - d]);

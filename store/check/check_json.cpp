@@ -7,6 +7,7 @@
 
 #include "store/format/format.hpp"
 #include "store/text/json_writer.hpp"
+#include "store/text/text.hpp"
 
 namespace teracell::inline store {
 namespace {
@@ -39,8 +40,6 @@ void write_wall(JsonWriter& out, const WallReport& wall) {
 
 std::string at_text(const std::optional<Vec3>& at) { return at ? fmt::format("  at ({:.6g}, {:.6g}, {:.6g})", (*at)[0], (*at)[1], (*at)[2]) : ""; }
 
-std::string number_of(uint64_t n, const char* one) { return fmt::format("{} {}{}", grouped(n), one, n == 1 ? "" : "s"); }
-
 void add_walls(std::vector<std::string>& lines, const std::vector<WallReport>& walls, size_t most) {
   std::vector<const WallReport*> thin;
   for (const WallReport& wall : walls)
@@ -58,7 +57,7 @@ void add_walls(std::vector<std::string>& lines, const std::vector<WallReport>& w
   lines.push_back(head + fmt::format(" {:>20}", "8 or more"));
   for (size_t i = 0; i < std::min(most, thin.size()); ++i) {
     std::string line = fmt::format("  {:<{}}", thin[i]->body, width);
-    for (size_t k = 0; k < 8; ++k) line += fmt::format(" {:>{}}", grouped(thin[i]->histogram[k]), k < 7 ? 12 : 20);
+    for (size_t k = 0; k < 8; ++k) line += fmt::format(" {:>{}}", fmt::group_digits(thin[i]->histogram[k]), k < 7 ? 12 : 20);
     lines.push_back(line);
   }
   if (thin.size() > most) lines.push_back(fmt::format("  and {} more with walls below 8 cells", thin.size() - most));
@@ -137,13 +136,14 @@ std::string findings_text(const Findings& findings, size_t most) {
   }
   for (size_t kind = 0; kind < kFindingKindCount; ++kind)
     if (const uint64_t all = findings.totals[kind].findings; all > std::min(most, shown[kind]))
-      lines.push_back(fmt::format("  {:<7}  {:<12}  and {} more", "", kFindingKinds[kind], grouped(all - std::min<uint64_t>(most, shown[kind]))));
+      lines.push_back(
+          fmt::format("  {:<7}  {:<12}  and {} more", "", kFindingKinds[kind], fmt::group_digits(all - std::min<uint64_t>(most, shown[kind]))));
   const uint64_t listed = levels[0] + levels[1] + levels[2];
   uint64_t all = 0;
   for (const KindTotal& total : findings.totals) all += total.findings;
   lines[0] = listed == 0 ? "nothing was found"
-                         : fmt::format("{}, {}, {}", number_of(levels[0], "error"), number_of(levels[1], "warning"), number_of(levels[2], "note"));
-  if (all > listed) lines[0] += fmt::format(" of {} in all", grouped(all));
+                         : fmt::format("{}, {}, {}", counted(levels[0], "error"), counted(levels[1], "warning"), counted(levels[2], "note"));
+  if (all > listed) lines[0] += fmt::format(" of {} in all", fmt::group_digits(all));
   add_walls(lines, findings.walls, most);
   if (!findings.not_looked_at.empty()) {
     lines.push_back("");

@@ -53,7 +53,4 @@ struct Findings {
   std::vector<std::string> not_looked_at;  // sentences: what was not, and why
 };
 
-// 1,234,567
-std::string grouped(CellCount count);
-
 }  // namespace teracell::store

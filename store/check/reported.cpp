@@ -6,13 +6,12 @@
 #include <fmt/format.h>
 
 #include "store/format/report_json.hpp"
+#include "store/text/text.hpp"
 
 namespace teracell::inline store {
 namespace {
 
 constexpr double kFlat = 1e-6;  // of a hole's diameter: coordinates of single precision are rounded by as much
-
-const char* plural(CellCount n, const char* one, const char* many) { return n == 1 ? one : many; }
 
 // Turns the report into findings, body by body.
 class Reported {
@@ -23,18 +22,19 @@ class Reported {
     ++bodies_;
     if (b.cells == 0)
       add(FindingKind::empty, FindingLevel::error, b.name, std::nullopt,
-          b.covered > 0 ? fmt::format("The body '{}' owns no cell: all {} of its cells belong to stronger bodies.", b.name, grouped(b.covered))
-                        : fmt::format("The body '{}' has no cell: it lies outside the domain, or between sample points.", b.name));
+          b.covered > 0
+              ? fmt::format("The body '{}' owns no cell: all {} of its cells belong to stronger bodies.", b.name, fmt::group_digits(b.covered))
+              : fmt::format("The body '{}' has no cell: it lies outside the domain, or between sample points.", b.name));
     for (const Flip& flip : b.flips)
       add(FindingKind::winding, FindingLevel::warning, b.name, flip.at,
-          fmt::format("Along {} {} of '{}' the facets on both sides face opposite ways.", flip.edges, plural(flip.edges, "edge", "edges"), b.name));
+          fmt::format("Along {} of '{}' the facets on both sides face opposite ways.", counted(flip.edges, "edge"), b.name));
     total(FindingKind::winding).findings += b.flips_left_out;
     for (const HoleReport& h : b.holes) hole(b.name, h);
     total(FindingKind::cap).findings += b.holes_left_out;
     if (const uint64_t number = b.seams.number; number > 0)
       add(FindingKind::seam, FindingLevel::note, b.name, std::nullopt,
-          fmt::format("{} {} of '{}', {} long in all, {} stitched; the widest gap is {}.", grouped(number), plural(number, "seam", "seams"), b.name,
-                      length(b.seams.length), plural(number, "was", "were"), length(b.seams.widest_gap)));
+          fmt::format("{} of '{}', {} long in all, {} stitched; the widest gap is {}.", counted(number, "seam"), b.name, length(b.seams.length),
+                      number == 1 ? "was" : "were", length(b.seams.widest_gap)));
     if (b.covered > 0 && b.cells > 0)
       covered_.push_back({FindingKind::overlap,
                           FindingLevel::note,
@@ -42,7 +42,7 @@ class Reported {
                           b.covered,
                           std::nullopt,
                           std::nullopt,
-                          fmt::format("{} cells in '{}' belong to stronger bodies.", grouped(b.covered), b.name)});
+                          fmt::format("{} cells in '{}' belong to stronger bodies.", fmt::group_digits(b.covered), b.name)});
     if (b.sheet) sheets_.insert(b.name);
     else lost(b);
   }
@@ -50,7 +50,8 @@ class Reported {
   void rest(const Report& report) {
     if (report.lost_gaps)
       for (const GapReport& gap : *report.lost_gaps) lost_gap(gap);
-    if (report.bodies_left_out > 0) missing(fmt::format("The report in the file has no room for {} bodies.", grouped(report.bodies_left_out)));
+    if (report.bodies_left_out > 0)
+      missing(fmt::format("The report in the file has no room for {} bodies.", fmt::group_digits(report.bodies_left_out)));
     if (report.overlaps) {
       for (const OverlapReport& pair : report.overlaps->list) overlap(pair);
       uint64_t& pairs = total(FindingKind::overlap).findings;
@@ -118,23 +119,23 @@ class Reported {
         const LostReport& found = (*b.lost)[static_cast<size_t>(axis)];
         if (found.number > 0)
           add(FindingKind::lost_stretch, FindingLevel::warning, b.name, found.at,
-              fmt::format("Along {}, no sample point meets {} {} of '{}'; the widest is {}.", axis_name(axis), grouped(found.number),
-                          plural(found.number, "stretch", "stretches"), b.name, length(found.widest)));
+              fmt::format("Along {}, no sample point meets {} of '{}'; the widest is {}.", axis_name(axis),
+                          counted(found.number, "stretch", "stretches"), b.name, length(found.widest)));
       }
       return;
     }
     rays_only_ = true;
     if (const uint64_t number = b.lost_pairs; number > 0)
       add(FindingKind::lost_stretch, FindingLevel::warning, b.name, b.first_lost_pair,
-          fmt::format("Along {}, {} {} of '{}' {} between two sample points: what is there is thinner than a cell.", axis_name(b.lost_axis),
-                      grouped(number), plural(number, "stretch", "stretches"), b.name, plural(number, "lies", "lie")));
+          fmt::format("Along {}, {} of '{}' {} between two sample points: what is there is thinner than a cell.", axis_name(b.lost_axis),
+                      counted(number, "stretch", "stretches"), b.name, number == 1 ? "lies" : "lie"));
   }
 
   void lost_gap(const GapReport& gap) {
     if (gap.lost.number == 0) return;
     add(FindingKind::lost_gap, FindingLevel::warning, gap.material, gap.lost.at,
-        fmt::format("Along {}, no sample point meets {} {} in '{}'; the widest is {}.", axis_name(gap.axis), grouped(gap.lost.number),
-                    plural(gap.lost.number, "gap", "gaps"), gap.material, length(gap.lost.widest)));
+        fmt::format("Along {}, no sample point meets {} in '{}'; the widest is {}.", axis_name(gap.axis), counted(gap.lost.number, "gap"),
+                    gap.material, length(gap.lost.widest)));
   }
 
   void overlap(const OverlapReport& o) {
@@ -145,7 +146,7 @@ class Reported {
                             o.cells,
                             o.at,
                             o.box,
-                            fmt::format("'{}' and '{}' overlap in {} {}, which {}.", a, b, grouped(o.cells), plural(o.cells, "cell", "cells"),
+                            fmt::format("'{}' and '{}' overlap in {}, which {}.", a, b, counted(o.cells, "cell"),
                                         o.owner ? fmt::format("'{}' owns", *o.owner) : "a third body owns in part")});
   }
 

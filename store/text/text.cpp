@@ -84,6 +84,11 @@ std::string whole_text(unsigned __int128 number) {
 
 std::string plural(uint64_t n, std::string_view thing) { return fmt::format("{} {}{}", n, thing, n == 1 ? "" : "s"); }
 
+std::string counted(unsigned __int128 n, std::string_view one, std::string_view many) {
+  if (n != 1 && !many.empty()) return fmt::format("{} {}", fmt::group_digits(n), many);
+  return fmt::format("{} {}{}", fmt::group_digits(n), one, n == 1 ? "" : "s");
+}
+
 std::string_view nearest(std::string_view word, std::span<const std::string_view> candidates) {
   const auto closer = [&](std::string_view a, std::string_view b) { return edit_distance(word, a) < edit_distance(word, b); };
   const auto best = std::ranges::min_element(candidates, closer);

@@ -26,6 +26,8 @@ std::string whole_text(unsigned __int128 number);
 
 // "1 chunk", "2 chunks".
 std::string plural(uint64_t n, std::string_view thing);
+// The same with grouped digits: "1,234 chunks". `many`: the plural, where it is more than an "s".
+std::string counted(unsigned __int128 n, std::string_view one, std::string_view many = {});
 
 // The candidate with the smallest edit distance to `word` (V. Levenshtein, 1966); empty when there are no candidates.
 std::string_view nearest(std::string_view word, std::span<const std::string_view> candidates);

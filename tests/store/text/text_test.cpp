@@ -55,6 +55,9 @@ TEST_CASE("One thing has no plural; none and many have") {
   REQUIRE(plural(1, "chunk") == "1 chunk");
   REQUIRE(plural(2, "stored level") == "2 stored levels");
   REQUIRE(plural(~uint64_t{0}, "cell") == "18446744073709551615 cells");
+  REQUIRE(counted(1, "stretch", "stretches") == "1 stretch");
+  REQUIRE(counted(1234, "stretch", "stretches") == "1,234 stretches");
+  REQUIRE(counted(static_cast<unsigned __int128>(1) << 70, "cell") == "1,180,591,620,717,411,303,424 cells");
 }
 
 }  // namespace

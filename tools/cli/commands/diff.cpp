@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include "store/check/finding.hpp"
 #include "store/text/text.hpp"
 #include "store/whole/info.hpp"
 #include "tools/cli/command.hpp"
@@ -20,18 +19,19 @@ struct DiffArguments {
 };
 
 void print(const Difference& d) {
-  if (d.changes.empty()) return say(fmt::format("the grids are equal: all of {} cells have the same material in both", grouped(d.cells)));
-  say(fmt::format("{} of {} cells differ, {} are the same", grouped(d.cells - d.same), grouped(d.cells), grouped(d.same)));
+  if (d.changes.empty()) return say(fmt::format("the grids are equal: all of {} cells have the same material in both", fmt::group_digits(d.cells)));
+  say(fmt::format("{} of {} cells differ, {} are the same", fmt::group_digits(d.cells - d.same), fmt::group_digits(d.cells),
+                  fmt::group_digits(d.same)));
   size_t from = 4, to = 2, cells = 5;
   for (const Change& c : d.changes) {
     from = std::max(from, c.from.size()), to = std::max(to, c.to.size());
-    cells = std::max(cells, grouped(c.cells).size());
+    cells = std::max(cells, fmt::formatted_size("{}", fmt::group_digits(c.cells)));
   }
   say(fmt::format("{:<{}}  {:<{}}  {:>{}}   box of cells", "from", from, "to", to, "cells", cells));
   for (const Change& c : d.changes) {
     const auto& [lo, hi] = c.box;
-    say(fmt::format("{:<{}}  {:<{}}  {:>{}}   ({}, {}, {}) to ({}, {}, {})", c.from, from, c.to, to, grouped(c.cells), cells, lo[0], lo[1], lo[2],
-                    hi[0], hi[1], hi[2]));
+    say(fmt::format("{:<{}}  {:<{}}  {:>{}}   ({}, {}, {}) to ({}, {}, {})", c.from, from, c.to, to, fmt::group_digits(c.cells), cells, lo[0], lo[1],
+                    lo[2], hi[0], hi[1], hi[2]));
   }
 }
 

@@ -13,6 +13,7 @@
 #include "store/channels/fractions.hpp"
 #include "store/format/report_json.hpp"
 #include "store/grid/number_text.hpp"
+#include "store/text/text.hpp"
 #include "store/whole/info.hpp"
 #include "tools/cli/command.hpp"
 #include "tools/cli/commands/info_surfaces.hpp"
@@ -26,9 +27,6 @@ struct InfoArguments {
   SourceOptions source;
   bool json = false;
 };
-
-// "1 chunk", "2,000 chunks".
-std::string counted(uint64_t n, std::string_view thing) { return fmt::format("{} {}{}", fmt::group_digits(n), thing, n == 1 ? "" : "s"); }
 
 void row(const std::string& name, const std::string& text) { say(fmt::format("{:<12}{}", name, text)); }
 
