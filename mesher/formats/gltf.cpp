@@ -59,7 +59,8 @@ class Reader {
     const auto material = mesh.primitives[0].material;  // that of all, or none
     for (const GltfPrimitive& p : mesh.primitives)
       if (p.material != material) return;
-    if (material && *material < gltf_.materials().size()) node.material = gltf_.materials()[*material].name, node.color = gltf_.materials()[*material].color;
+    if (material && *material < gltf_.materials().size())
+      node.material = gltf_.materials()[*material].name, node.color = gltf_.materials()[*material].color;
   }
 
   uint32_t make_shape(const GltfMesh& mesh, uint32_t number) {

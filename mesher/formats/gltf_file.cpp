@@ -24,14 +24,16 @@ constexpr uint64_t kMostZeros = uint64_t{1} << 20;  // of an accessor without by
 constexpr uint64_t kMostTimes = 16;                 // that all accessors together read the bytes of all buffers
 
 // Extensions that change no shape. What else a file requires is refused by its name.
-constexpr std::array kHarmlessExtensions = {"KHR_materials_", "KHR_texture_", "KHR_lights_", "EXT_texture_", "KHR_xmp", "KHR_animation_", "EXT_lights_", "EXT_mesh_manifold"};
+constexpr std::array kHarmlessExtensions = {"KHR_materials_", "KHR_texture_",   "KHR_lights_", "EXT_texture_",
+                                            "KHR_xmp",        "KHR_animation_", "EXT_lights_", "EXT_mesh_manifold"};
 
 struct ComponentType {
   uint32_t number;
   size_t bytes;
   double most;  // of an integer
 };
-constexpr ComponentType kComponentTypes[] = {{5120, 1, 127}, {5121, 1, 255}, {5122, 2, 32767}, {5123, 2, 65535}, {5125, 4, 4294967295.0}, {5126, 4, 0}};
+constexpr ComponentType kComponentTypes[] = {{5120, 1, 127},   {5121, 1, 255},          {5122, 2, 32767},
+                                             {5123, 2, 65535}, {5125, 4, 4294967295.0}, {5126, 4, 0}};
 
 const ComponentType& type_of(uint32_t number) { return *std::ranges::find(kComponentTypes, number, &ComponentType::number); }
 
@@ -136,11 +138,7 @@ std::string color_of(const JsonNode& j) {
 }  // namespace
 
 GltfFile::GltfFile(Input& input, SurfaceFile& file, const Budget& budget)
-    : name_(input.name()),
-      on_disk_(!input.plain_memory()),
-      file_(file),
-      budget_(budget),
-      contents_(std::make_unique<Contents>(input, budget)) {
+    : name_(input.name()), on_disk_(!input.plain_memory()), file_(file), budget_(budget), contents_(std::make_unique<Contents>(input, budget)) {
   read_container(*contents_);
 }
 
@@ -162,8 +160,10 @@ void GltfFile::read_container(const Contents& contents) {
     if (std::string_view(&head[kHeader + 4], 4) != "JSON" || json > length - at) refuse("byte 12", "expected a chunk of JSON within the file");
     if (const uint64_t next = at + (json + 3) / 4 * 4; next + kChunk <= length) {
       contents.read(next, std::span(head).first(kChunk));
-      if (std::string_view(&head[4], 4) == std::string_view("BIN\0", 4)) binary_at_ = next + kChunk, binary_bytes_ = little_endian<uint32_t>(head.data());
-      if (binary_bytes_ > length - std::min<uint64_t>(binary_at_, length)) refuse(fmt::format("byte {}", next), fmt::format("cut short: expected {} bytes of a buffer, found {}", binary_bytes_, length - binary_at_));
+      if (std::string_view(&head[4], 4) == std::string_view("BIN\0", 4))
+        binary_at_ = next + kChunk, binary_bytes_ = little_endian<uint32_t>(head.data());
+      if (binary_bytes_ > length - std::min<uint64_t>(binary_at_, length))
+        refuse(fmt::format("byte {}", next), fmt::format("cut short: expected {} bytes of a buffer, found {}", binary_bytes_, length - binary_at_));
     }
     bytes = json;
   } else file_.format = "glTF";
@@ -180,10 +180,11 @@ void GltfFile::read_container(const Contents& contents) {
 
 void GltfFile::parse(const std::string& text) {
   const Json rest = parse_json(text, "the JSON", kMostValues,
-                               {.take = [this](const std::string& list, size_t i, const Json& element) {
-                                  const std::string where = fmt::format("{}[{}]", list, i);
-                                  naming(where, [&] { take(list, JsonNode(element, where)); });
-                                },
+                               {.take =
+                                    [this](const std::string& list, size_t i, const Json& element) {
+                                      const std::string where = fmt::format("{}[{}]", list, i);
+                                      naming(where, [&] { take(list, JsonNode(element, where)); });
+                                    },
                                 .within = "extensions"});
   const JsonNode root(rest, "the JSON");
   const JsonNode asset = root.require("asset");
@@ -212,7 +213,8 @@ void GltfFile::take(const std::string& list, const JsonNode& j) {
     j.each("nodes", [&](const JsonNode& n) { scene.push_back(index(n)); });
   } else if (list == "extensionsRequired") {
     const std::string& name = j.any_text();
-    const bool read = name == "KHR_mesh_quantization" || std::ranges::any_of(kHarmlessExtensions, [&](const char* begin) { return name.starts_with(begin); });
+    const bool read =
+        name == "KHR_mesh_quantization" || std::ranges::any_of(kHarmlessExtensions, [&](const char* begin) { return name.starts_with(begin); });
     if (!read) refuse(list, fmt::format("the file can't be read without the extension {}: export it without, uncompressed", shown(name)));
   }
 }
@@ -351,7 +353,8 @@ void GltfFile::read_scalars(uint32_t accessor, const std::function<void(uint64_t
   const Accessor& a = at(accessor);
   const std::string where = fmt::format("accessors[{}]", accessor);
   const bool unsigned_type = a.values.type == 5121 || a.values.type == 5123 || a.values.type == 5125;
-  if (a.shape != "SCALAR" || !unsigned_type || a.replaced > 0) refuse(where, "expected indices: SCALAR, of 8, 16 or 32 bits without a sign, not sparse");
+  if (a.shape != "SCALAR" || !unsigned_type || a.replaced > 0)
+    refuse(where, "expected indices: SCALAR, of 8, 16 or 32 bits without a sign, not sparse");
   read_numbers(a.values, a.count, 1, false, where, [&](const std::array<double, 3>& n) { take(static_cast<uint64_t>(n[0])); });
 }
 
@@ -361,7 +364,8 @@ void GltfFile::read_bytes(uint32_t buffer, uint64_t offset, std::span<char> out)
   if (!b.opened) open(buffer);
   const uint64_t there = b.beside ? b.beside->size() : b.uri.empty() ? binary_bytes_ : b.decoded.size();
   if (offset > there || out.size() > there - offset)
-    refuse(fmt::format("buffers[{}]", buffer), fmt::format("cut short: expected {} bytes from {} on, found {} bytes in all", out.size(), offset, there));
+    refuse(fmt::format("buffers[{}]", buffer),
+           fmt::format("cut short: expected {} bytes from {} on, found {} bytes in all", out.size(), offset, there));
   if (b.beside) b.beside->read(offset, out);
   else if (b.uri.empty()) contents_->read(binary_at_ + offset, out);
   else std::memcpy(out.data(), b.decoded.data() + offset, out.size());

@@ -24,8 +24,7 @@ class OffReader {
   void read() {
     std::string_view line = next_line("the keyword OFF");
     const std::string keyword(next_word(line));
-    if (std::ranges::count(kOtherKeywords, keyword) > 0)
-      refuse("expected three coordinates in each vertex (OFF, COFF, NOFF, STOFF)", keyword);
+    if (std::ranges::count(kOtherKeywords, keyword) > 0) refuse("expected three coordinates in each vertex (OFF, COFF, NOFF, STOFF)", keyword);
     if (std::string_view rest = line; next_word(rest) == "BINARY") refuse("expected an OFF file in text", "BINARY");
     if (trimmed(line).empty()) line = next_line("the counts of vertices and faces");
     const uint64_t vertices = count(line, "the number of vertices"), faces = count(line, "the number of faces");
@@ -36,7 +35,8 @@ class OffReader {
       vertices_.push_back(v);
     }
     for (uint64_t i = 0; i < faces; ++i) read_face(next_line("a face"));
-    if (uint64_t more = lines_left(); more > 0) out_.warn(fmt::format("{} after the last face {} skipped", plural(more, "line"), more == 1 ? "was" : "were"));
+    if (uint64_t more = lines_left(); more > 0)
+      out_.warn(fmt::format("{} after the last face {} skipped", plural(more, "line"), more == 1 ? "was" : "were"));
   }
 
  private:

@@ -41,8 +41,8 @@ std::string model_of(const ZipPackage& package) {
       fmt::format("{}: '{}'", package.name(), kRelationships),
       [&](const XmlElement& e) {
         const char *type = e.find("Type"), *target = e.find("Target");
-        if (e.name().ends_with("|Relationship") && type && target && std::string_view(type) == "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel" &&
-            targets.size() < 2)
+        if (e.name().ends_with("|Relationship") && type && target &&
+            std::string_view(type) == "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel" && targets.size() < 2)
           targets.emplace_back(target);
       },
       [](std::string_view) {});
@@ -52,7 +52,9 @@ std::string model_of(const ZipPackage& package) {
     throw InputError(fmt::format("{}: '{}': expected one relationship to a 3D model, found {}", package.name(), kRelationships,
                                  targets.empty() ? "none" : fmt::format("{} and {}", shown(targets[0]), shown(targets[1]))));
   std::string model = targets[0].substr(targets[0].starts_with('/') ? 1 : 0);
-  if (!package.has(model)) throw InputError(fmt::format("{}: '{}': expected the 3D model {} in the package, found no such file", package.name(), kRelationships, shown(targets[0])));
+  if (!package.has(model))
+    throw InputError(
+        fmt::format("{}: '{}': expected the 3D model {} in the package, found no such file", package.name(), kRelationships, shown(targets[0])));
   return model;
 }
 
@@ -72,7 +74,9 @@ class ModelReader {
         options_(options),
         name_(package.name()),
         shapes_(options.budget),
-        xml_(fmt::format("{}: {}", package.name(), shown(model)), [this](const XmlElement& e) { begin(e); }, [this](std::string_view name) { end(name); }) {
+        xml_(
+            fmt::format("{}: {}", package.name(), shown(model)), [this](const XmlElement& e) { begin(e); },
+            [this](std::string_view name) { end(name); }) {
     package.read(model, [&](std::string_view text) { return xml_.feed(text), true; });
     xml_.finish();
   }
@@ -86,7 +90,8 @@ class ModelReader {
       if (const uint32_t object = number_of(use); objects_[object].type != "support" && objects_[object].type != "solidsupport")
         roots.push_back({object, use.matrix, ""});
       else ++supports_;
-    if (supports_ > 0) file_.warnings.push_back(fmt::format("{} left out: support structures for printing are no part of the model", plural(supports_, "item")));
+    if (supports_ > 0)
+      file_.warnings.push_back(fmt::format("{} left out: support structures for printing are no part of the model", plural(supports_, "item")));
     return PartTree(name_, std::move(shapes_), std::move(nodes), roots);
   }
 
@@ -136,7 +141,8 @@ class ModelReader {
     std::string_view prefixes = required ? required : "";
     for (std::string_view prefix; !(prefix = next_word(prefixes)).empty();) {
       const std::string uri = xml_.name_space(std::string(prefix));
-      const bool of_looks = uri.starts_with(kSchemas) && (uri.substr(kSchemas.size()).starts_with("material/") || uri.substr(kSchemas.size()).starts_with("trianglesets/"));
+      const bool of_looks = uri.starts_with(kSchemas) &&
+                            (uri.substr(kSchemas.size()).starts_with("material/") || uri.substr(kSchemas.size()).starts_with("trianglesets/"));
       if (!of_looks)
         refuse(fmt::format("the file can't be read without an extension of 3MF, {} ({}): export it without this extension", shown(prefix),
                            uri.empty() ? "no namespace" : printable(first_bytes(utf8_of(uri), kLongestPartName))));
@@ -145,7 +151,8 @@ class ModelReader {
 
   void begin_object(const XmlElement& e) {
     if (objects_.size() == kMostObjects) refuse(fmt::format("expected at most {} objects, found more", kMostObjects));
-    Object o{.id = number(e, "id"), .type = name_of(e.find("type")), .name = name_of(e.find("name")), .shape = {}, .material_group = {}, .components = {}};
+    Object o{
+        .id = number(e, "id"), .type = name_of(e.find("type")), .name = name_of(e.find("name")), .shape = {}, .material_group = {}, .components = {}};
     if (!by_id_.emplace(o.id, objects_.size()).second) refuse(fmt::format("expected objects with different ids, found {} again", o.id));
     if (e.find("pid")) o.material_group = number(e, "pid");
     if (e.find("pindex")) o.material = number(e, "pindex");
@@ -189,7 +196,8 @@ class ModelReader {
 
   Use use(const XmlElement& e) {
     if (++uses_ > kMostUses) refuse(fmt::format("expected at most {} items and components, found more", kMostUses));
-    if (e.find(kProductionPath)) refuse("an object in another file of the package: that is the production extension of 3MF: export the file without it");
+    if (e.find(kProductionPath))
+      refuse("an object in another file of the package: that is the production extension of 3MF: export the file without it");
     Use out{number(e, "objectid"), kIdentity, xml_.line()};
     if (const char* text = e.find("transform")) out.matrix = matrix(text);
     return out;
@@ -226,7 +234,12 @@ class ModelReader {
   }
 
   PartNode node_of(const Object& o) const {
-    PartNode node{.name = o.name.empty() ? fmt::format("object {}", o.id) : o.name, .product = o.name, .color = {}, .material = {}, .shape = o.shape, .uses = {}};
+    PartNode node{.name = o.name.empty() ? fmt::format("object {}", o.id) : o.name,
+                  .product = o.name,
+                  .color = {},
+                  .material = {},
+                  .shape = o.shape,
+                  .uses = {}};
     if (o.material_group)
       if (const auto group = groups_.find(*o.material_group); group != groups_.end() && o.material < group->second.size())
         node.color = group->second[o.material].color, node.material = group->second[o.material].name;
@@ -257,7 +270,8 @@ class ModelReader {
     const auto [stop, error] = std::from_chars(digits.data(), digits.data() + digits.size(), out);
     if (error == std::errc::result_out_of_range) out = round_extreme(digits, out);
     if (digits.empty() || stop != digits.data() + digits.size() || error == std::errc::invalid_argument || !is_coordinate(out))
-      refuse(fmt::format("{}: expected a number that is 0 or has a magnitude from 1e-75 to 1e75, found {}", what, word.empty() ? "none" : shown(word)));
+      refuse(
+          fmt::format("{}: expected a number that is 0 or has a magnitude from 1e-75 to 1e75, found {}", what, word.empty() ? "none" : shown(word)));
     return out + 0.0;  // -0 is +0
   }
   double coordinate(const XmlElement& e, const char* attribute) const {

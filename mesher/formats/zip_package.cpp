@@ -102,12 +102,11 @@ void ZipPackage::read(const std::string& file, const std::function<bool(std::str
     if (got == 0) break;
     unpacked += static_cast<uint64_t>(got);
     if (unpacked > kHarmless && unpacked / kMostTimes > info.compressed_size)
-      refuse(fmt::format("its {} bytes unpack to more than {} times as many: no model is packed so well, so nothing more is unpacked", info.compressed_size,
-                         kMostTimes));
+      refuse(fmt::format("its {} bytes unpack to more than {} times as many: no model is packed so well, so nothing more is unpacked",
+                         info.compressed_size, kMostTimes));
     if (!take({block.data(), static_cast<size_t>(got)})) return;
   }
-  if (unpacked != info.uncompressed_size)
-    refuse(fmt::format("cut short: expected {} bytes, found {}", info.uncompressed_size, unpacked));
+  if (unpacked != info.uncompressed_size) refuse(fmt::format("cut short: expected {} bytes, found {}", info.uncompressed_size, unpacked));
   if (unzCloseCurrentFile(opened.release()) == UNZ_CRCERROR) refuse("its bytes are not those that its checksum is of: is the package damaged?");
 }
 

@@ -138,7 +138,8 @@ Report make_report(const Scene& scene, Bodies&& bodies, const std::vector<Surfac
   out.crossings_expected = plan.rays.crossings;
   for (size_t b = 0; b < scene.bodies.size(); ++b) {
     BodyFacets& found = bodies.bodies[b];
-    out.inputs.push_back({scene.bodies[b].mesh_text, found.file.format, found.file.hash, found.file.bytes, found.file.unit, found.file.factor.value()});
+    out.inputs.push_back(
+        {scene.bodies[b].mesh_text, found.file.format, found.file.hash, found.file.bytes, found.file.unit, found.file.factor.value()});
     out.bodies.push_back(body_report(scene, b, std::move(found), counts[b], plan, totals, count_thin));
   }
   bodies.bodies = {};

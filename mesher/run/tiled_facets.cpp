@@ -109,8 +109,8 @@ std::unique_ptr<FacetBins> TiledFacets::fill_bins(const TreeRange& range, bool a
       done += facets.size();
       progress_(static_cast<double>(done) / all);
     };
-    read_again(scene_.bodies[b], found, budget_, take, [&](uint32_t of_file) { patch = patch_of(b, of_file); },
-               bodies_.kept.get());
+    read_again(
+        scene_.bodies[b], found, budget_, take, [&](uint32_t of_file) { patch = patch_of(b, of_file); }, bodies_.kept.get());
     for (const bool parity : {false, true}) add(closed.added[parity], layer_of(b, parity), FacetBins::kAdded, patch_of(b, kCapPatch));
     for (const bool parity : {false, true}) add(closed.walls[parity], layer_of(b, parity), FacetBins::kPlaced, patch_of(b, kSidePatch));
   }

@@ -388,7 +388,7 @@ Scene parse_scene(const std::string& json_text, const fs::path& folder) try {
 
   Scene scene;
   if (const auto units = root.find("units")) {
-    if (!is_unit(units->text())) units->fail("m, cm, mm, um, nm, in or ft");
+    units->choice({"m", "cm", "mm", "um", "nm", "in", "ft"});
     scene.units = units->text();
   }
   if (const auto grid = root.find("grid")) parse_grid(*grid, folder, scene);

@@ -29,7 +29,8 @@ struct SurfaceFile {
   std::string unit;                 // that the file states: m, cm, mm, um, nm, in or ft; empty when it states none
   Factor factor;                    // by which coordinates and translations were multiplied
   std::string units;                // that ReadOptions asked for
-  // Paths of the parts of an assembly; names of STL solids, or of OBJ groups and objects, in the file's order, not only those that match; up to some megabytes.
+  // Paths of the parts of an assembly; names of STL solids, or of OBJ groups and objects, in the file's order, not only those that match; up to some
+  // megabytes.
   std::vector<std::string> parts;
   // Names of the patches that facets passed to the sink belong to, in the order of their first facets; "" where none is named.
   std::vector<std::string> patches;

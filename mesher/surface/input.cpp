@@ -40,7 +40,9 @@ Input::Input(const std::filesystem::path& path) : name_(path.string()) {
   }
 }
 
-Input::Input(std::string name, std::string_view bytes) : name_(std::move(name)), memory_(bytes), whole_memory_(bytes), size_(bytes.size()) { begin(); }
+Input::Input(std::string name, std::string_view bytes) : name_(std::move(name)), memory_(bytes), whole_memory_(bytes), size_(bytes.size()) {
+  begin();
+}
 
 Input::~Input() {
   if (descriptor_ >= 0) close(descriptor_);
@@ -176,9 +178,7 @@ Descriptor Input::plain_file() const {
   return copy;
 }
 
-std::optional<std::string_view> Input::plain_memory() const {
-  return descriptor_ >= 0 || inflate_ ? std::nullopt : std::optional(whole_memory_);
-}
+std::optional<std::string_view> Input::plain_memory() const { return descriptor_ >= 0 || inflate_ ? std::nullopt : std::optional(whole_memory_); }
 
 std::string Input::at_line() const { return fmt::format("{}: line {}", name_, line_); }
 

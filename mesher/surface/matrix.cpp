@@ -31,9 +31,9 @@ Matrix placement(const Vec3& t, const std::array<double, 4>& quaternion, const V
   const double length = std::sqrt(((x * x + y * y) + z * z) + w * w);
   x /= length, y /= length, z /= length, w /= length;
   const auto entry = [](double a, double b) { return 2 * (a + b); };
-  return {(1 - entry(y * y, z * z)) * s[0], entry(x * y, -(z * w)) * s[1],      entry(x * z, y * w) * s[2],         t[0],
-          entry(x * y, z * w) * s[0],       (1 - entry(x * x, z * z)) * s[1],   entry(y * z, -(x * w)) * s[2],      t[1],
-          entry(x * z, -(y * w)) * s[0],    entry(y * z, x * w) * s[1],         (1 - entry(x * x, y * y)) * s[2],   t[2]};
+  return {(1 - entry(y * y, z * z)) * s[0], entry(x * y, -(z * w)) * s[1],    entry(x * z, y * w) * s[2],       t[0],
+          entry(x * y, z * w) * s[0],       (1 - entry(x * x, z * z)) * s[1], entry(y * z, -(x * w)) * s[2],    t[1],
+          entry(x * z, -(y * w)) * s[0],    entry(y * z, x * w) * s[1],       (1 - entry(x * x, y * y)) * s[2], t[2]};
 }
 
 }  // namespace teracell::mesher

@@ -95,7 +95,8 @@ bool PartGlob::matches(std::string_view path) const {
 }
 
 bool PartGlob::matches_name(const std::string& name) const {
-  return takes_all() || fits(glob_, name) || matches(path_below("", name.empty() ? kUnnamedPart : name));
+  if (takes_all() || fits(glob_, name)) return true;
+  return glob_.starts_with('/') && matches(path_below("", name.empty() ? kUnnamedPart : name));
 }
 
 }  // namespace teracell::mesher

@@ -11,7 +11,8 @@ struct Unit {
   std::string_view name;
   uint64_t nanometres;
 };
-constexpr Unit kUnits[] = {{"m", 1'000'000'000}, {"cm", 10'000'000}, {"mm", 1'000'000}, {"um", 1000}, {"nm", 1}, {"in", 25'400'000}, {"ft", 304'800'000}};
+constexpr Unit kUnits[] = {{"m", 1'000'000'000}, {"cm", 10'000'000}, {"mm", 1'000'000}, {"um", 1000}, {"nm", 1},
+                           {"in", 25'400'000},   {"ft", 304'800'000}};
 
 uint64_t nanometres(std::string_view name) {
   for (const Unit& u : kUnits)

@@ -62,7 +62,8 @@ std::string key_of(const PartNode& node, const Matrix& m) {
   for (size_t a = 0; a < 3; ++a)
     for (size_t b = a; b < 3; ++b) {
       const double product = m[a] * m[b] + m[4 + a] * m[4 + b] + m[8 + a] * m[8 + b];
-      const double scale = std::sqrt((m[a] * m[a] + m[4 + a] * m[4 + a] + m[8 + a] * m[8 + a]) * (m[b] * m[b] + m[4 + b] * m[4 + b] + m[8 + b] * m[8 + b]));
+      const double scale =
+          std::sqrt((m[a] * m[a] + m[4 + a] * m[4 + a] + m[8 + a] * m[8 + a]) * (m[b] * m[b] + m[4 + b] * m[4 + b] + m[8 + b] * m[8 + b]));
       out += a == b ? fmt::format(" {:.6e}", product) : fmt::format(" {}", std::lround(scale > 0 ? 1e6 * product / scale : 0));
     }
   return out;
@@ -75,7 +76,9 @@ void survey_tree(PartTree& tree, const Budget& budget, FileSurvey& out) {
     out.places.push_back({part.path, kind->second});
     if (!fresh) {
       ++out.kinds[kind->second].instances;
-      tree.read(part, [&](const Facet& f) { for (const Vec3& v : f.vertex) extend(out.lo, out.hi, v); });
+      tree.read(part, [&](const Facet& f) {
+        for (const Vec3& v : f.vertex) extend(out.lo, out.hi, v);
+      });
       continue;
     }
     const PartNode& node = tree.node(part);
@@ -99,9 +102,11 @@ void survey_flat(Input& input, const std::filesystem::path& path, const Budget& 
     now = patch;
     parts.resize(std::max(parts.size(), now + 1));
   };
-  out.file = read_facets(input, "", [&](std::span<const Facet> facets) {
-    for (const Facet& f : facets) parts[now].add(f);
-  }, {.budget = budget, .enter_patch = enter});
+  out.file = read_facets(input, "",
+                         [&](std::span<const Facet> facets) {
+                           for (const Facet& f : facets) parts[now].add(f);
+                         },
+                         {.budget = budget, .enter_patch = enter});
   for (size_t i = 0; i < parts.size(); ++i) {
     PartKind& kind = out.kinds.emplace_back();
     const std::string& name = out.file.patches[i];
@@ -113,9 +118,11 @@ void survey_flat(Input& input, const std::filesystem::path& path, const Budget& 
     kind.open_edges = count_open_edges(
         [&](const std::function<void(const Facet&)>& f) {
           size_t here = 0;
-          read_facets(path, "", [&](std::span<const Facet> facets) {
-            if (here == i) std::ranges::for_each(facets, f);
-          }, {.budget = budget, .enter_patch = [&](uint32_t patch) { here = patch; }});
+          read_facets(path, "",
+                      [&](std::span<const Facet> facets) {
+                        if (here == i) std::ranges::for_each(facets, f);
+                      },
+                      {.budget = budget, .enter_patch = [&](uint32_t patch) { here = patch; }});
         },
         budget, path.string());
   }

@@ -17,7 +17,8 @@ inline std::string package_of(const std::vector<std::pair<std::string, std::stri
     const auto u16 = [](size_t v) { return bytes_of(static_cast<uint16_t>(v)); };
     const auto u32 = [](size_t v) { return bytes_of(static_cast<uint32_t>(v)); };
     const size_t checksum = crc32(0, reinterpret_cast<const Bytef*>(text.data()), static_cast<uInt>(text.size()));
-    const std::string facts = u16(20) + u16(0) + u16(0) + u16(0) + u16(33) + u32(checksum) + u32(text.size()) + u32(text.size()) + u16(name.size()) + u16(0);
+    const std::string facts =
+        u16(20) + u16(0) + u16(0) + u16(0) + u16(33) + u32(checksum) + u32(text.size()) + u32(text.size()) + u16(name.size()) + u16(0);
     list += "PK\1\2" + u16(20) + facts + u16(0) + u16(0) + u16(0) + u32(0) + u32(out.size()) + name;
     out += "PK\3\4" + facts + name + text;
   }
@@ -34,15 +35,18 @@ inline std::string threemf_package(const std::string& model) { return package_of
 
 // `inside` are the resources and the build.
 inline std::string threemf(const std::string& inside, const std::string& attributes = "") {
-  return threemf_package("<?xml version=\"1.0\"?>\n<model xmlns=\"http://schemas.microsoft.com/3dmanufacturing/core/2015/02\" " + attributes + ">\n" + inside + "</model>");
+  return threemf_package("<?xml version=\"1.0\"?>\n<model xmlns=\"http://schemas.microsoft.com/3dmanufacturing/core/2015/02\" " + attributes + ">\n" +
+                         inside + "</model>");
 }
 
 // An object that is the tetrahedron of the other formats.
 inline std::string tetrahedron_object(int id, const std::string& attributes = "") {
   std::string out = "<object id=\"" + std::to_string(id) + "\" " + attributes + "><mesh><vertices>";
-  for (const char* v : {"x=\"0\" y=\"0\" z=\"0\"", "x=\"1\" y=\"0\" z=\"0\"", "x=\"0\" y=\"1\" z=\"0\"", "x=\"0\" y=\"0\" z=\"0.5\""}) out += "<vertex " + std::string(v) + "/>";
+  for (const char* v : {"x=\"0\" y=\"0\" z=\"0\"", "x=\"1\" y=\"0\" z=\"0\"", "x=\"0\" y=\"1\" z=\"0\"", "x=\"0\" y=\"0\" z=\"0.5\""})
+    out += "<vertex " + std::string(v) + "/>";
   out += "</vertices>\n<triangles>";
-  for (const char* t : {"v1=\"0\" v2=\"2\" v3=\"1\"", "v1=\"0\" v2=\"1\" v3=\"3\"", "v1=\"0\" v2=\"3\" v3=\"2\"", "v1=\"1\" v2=\"2\" v3=\"3\""}) out += "<triangle " + std::string(t) + "/>";
+  for (const char* t : {"v1=\"0\" v2=\"2\" v3=\"1\"", "v1=\"0\" v2=\"1\" v3=\"3\"", "v1=\"0\" v2=\"3\" v3=\"2\"", "v1=\"1\" v2=\"2\" v3=\"3\""})
+    out += "<triangle " + std::string(t) + "/>";
   return out + "</triangles></mesh></object>\n";
 }
 
@@ -50,7 +54,8 @@ inline std::string glb(std::string json, std::string binary) {
   json.append((4 - json.size() % 4) % 4, ' ');
   binary.append((4 - binary.size() % 4) % 4, '\0');
   const auto u32 = [](size_t v) { return bytes_of(static_cast<uint32_t>(v)); };
-  return "glTF" + u32(2) + u32(28 + json.size() + binary.size()) + u32(json.size()) + "JSON" + json + u32(binary.size()) + std::string("BIN\0", 4) + binary;
+  return "glTF" + u32(2) + u32(28 + json.size() + binary.size()) + u32(json.size()) + "JSON" + json + u32(binary.size()) + std::string("BIN\0", 4) +
+         binary;
 }
 
 // The vertices of the tetrahedron as float32, then its triangles as 16-bit numbers.

@@ -62,7 +62,8 @@ TEST_CASE("glTF: nodes within nodes; quaternions, scales, mirrors, matrices; tra
 TEST_CASE("glTF: strips, fans, and triangles without indices; points and lines are left out") {
   const auto with = [](int mode) {
     return R"({"asset":{"version":"2.0"},"accessors":[{"bufferView":0,"componentType":5126,"count":5,"type":"VEC3"}],"bufferViews":[{"buffer":0,"byteLength":60}],
-      "buffers":[{"byteLength":60}],"nodes":[{"mesh":0}],"meshes":[{"primitives":[{"attributes":{"POSITION":0},"mode":)" + std::to_string(mode) + "}]}]}";
+      "buffers":[{"byteLength":60}],"nodes":[{"mesh":0}],"meshes":[{"primitives":[{"attributes":{"POSITION":0},"mode":)" +
+           std::to_string(mode) + "}]}]}";
   };
   std::string buffer;
   for (int i = 0; i < 5; ++i) buffer += bytes_of(static_cast<float>(i)) + bytes_of(static_cast<float>(i * i)) + bytes_of(0.f);
@@ -81,9 +82,10 @@ TEST_CASE("glTF: strips, fans, and triangles without indices; points and lines a
 
 TEST_CASE("glTF: sparse accessors, numbers that are integers, strides, data in the text") {
   const std::string buffer = tetrahedron_buffer() + bytes_of(uint16_t{3}) + std::string(2, '\0') + bytes_of(0.f) + bytes_of(0.f) + bytes_of(2.f);
-  const std::string sparse = replaced(replaced(gltf_json(kOneNode), R"("type":"VEC3")",
-      R"("type":"VEC3","sparse":{"count":1,"indices":{"bufferView":2,"componentType":5123},"values":{"bufferView":3}})"),
-      R"("byteLength":24})", R"("byteLength":24},{"buffer":0,"byteOffset":72,"byteLength":2},{"buffer":0,"byteOffset":76,"byteLength":12})");
+  const std::string sparse =
+      replaced(replaced(gltf_json(kOneNode), R"("type":"VEC3")",
+                        R"("type":"VEC3","sparse":{"count":1,"indices":{"bufferView":2,"componentType":5123},"values":{"bufferView":3}})"),
+               R"("byteLength":24})", R"("byteLength":24},{"buffer":0,"byteOffset":72,"byteLength":2},{"buffer":0,"byteOffset":76,"byteLength":12})");
   CHECK(read(glb(sparse, buffer)).facets[3][2] == Vec3{0, 0, 2});
 
   std::string bytes;  // x, y, z and a byte between, as 8-bit numbers with a sign
@@ -91,12 +93,14 @@ TEST_CASE("glTF: sparse accessors, numbers that are integers, strides, data in t
   bytes += tetrahedron_buffer().substr(48);
   std::string quantized = R"({"asset":{"version":"2.0"},"extensionsRequired":["KHR_mesh_quantization"],
     "accessors":[{"bufferView":0,"componentType":5120,"normalized":true,"count":4,"type":"VEC3"},{"bufferView":1,"componentType":5123,"count":12,"type":"SCALAR"}],
-    "bufferViews":[{"buffer":0,"byteLength":15,"byteStride":4},{"buffer":0,"byteOffset":16,"byteLength":24}],"buffers":[{"byteLength":40}],)" + kTetrahedronMesh + "," + kOneNode + "}";
+    "bufferViews":[{"buffer":0,"byteLength":15,"byteStride":4},{"buffer":0,"byteOffset":16,"byteLength":24}],"buffers":[{"byteLength":40}],)" +
+                          kTetrahedronMesh + "," + kOneNode + "}";
   const Result r = read(glb(quantized, bytes));
   CHECK(r.facets[3] == std::array<Vec3, 3>{{{1, 0, 0}, {0, 1, 0}, {0, 0, -1}}});
   CHECK_FALSE(r.file.float32);
 
-  const std::string text = replaced(gltf_json(kOneNode), R"({"byteLength":72})", R"({"byteLength":72,"uri":"data:application/octet-stream;base64,)" + base64(tetrahedron_buffer()) + "\"}");
+  const std::string text = replaced(gltf_json(kOneNode), R"({"byteLength":72})",
+                                    R"({"byteLength":72,"uri":"data:application/octet-stream;base64,)" + base64(tetrahedron_buffer()) + "\"}");
   const Result in_text = read(text);
   CHECK(in_text.facets == tetrahedron());
   CHECK(in_text.file.format == "glTF");
@@ -104,20 +108,26 @@ TEST_CASE("glTF: sparse accessors, numbers that are integers, strides, data in t
 
 TEST_CASE("glTF: what is wrong is named with its place") {
   const auto json = [](const std::string& old, const std::string& by) { return glb(replaced(gltf_json(kOneNode), old, by), tetrahedron_buffer()); };
-  CHECK_THAT(refusal(json(R"("count":12)", R"("count":13)")), Contains("accessors[1]: expected 13 elements of 2 bytes, 2 apart, within the 24 bytes of bufferViews[1] from 0 on"));
+  CHECK_THAT(refusal(json(R"("count":12)", R"("count":13)")),
+             Contains("accessors[1]: expected 13 elements of 2 bytes, 2 apart, within the 24 bytes of bufferViews[1] from 0 on"));
   CHECK_THAT(refusal(json(R"("count":4,)", R"("count":4294967296,)")), Contains("accessors[0]: expected 4294967296 elements"));
-  CHECK_THAT(refusal(json(R"("byteOffset":48,)", R"("byteOffset":60,)")), Contains("buffers[0]: cut short: expected 24 bytes from 60 on, found 72 bytes in all"));
+  CHECK_THAT(refusal(json(R"("byteOffset":48,)", R"("byteOffset":60,)")),
+             Contains("buffers[0]: cut short: expected 24 bytes from 60 on, found 72 bytes in all"));
   CHECK_THAT(refusal(json(R"("indices":1)", R"("indices":7)")), Contains("expected the number of an accessor, found 7 of 2"));
   CHECK_THAT(refusal(json(R"("POSITION":0)", R"("POSITION":1)")), Contains("accessors[1]: expected the type VEC3, found 'SCALAR'"));
   CHECK_THAT(refusal(json(R"("version":"2.0")", R"("version":"1.0")")), Contains("expected version 2 of glTF, found \"1.0\""));
-  CHECK_THAT(refusal(json(R"("nodes":[)", R"("extensionsRequired":["KHR_draco_mesh_compression"],"nodes":[)")), Contains("without the extension 'KHR_draco_mesh_compression'"));
+  CHECK_THAT(refusal(json(R"("nodes":[)", R"("extensionsRequired":["KHR_draco_mesh_compression"],"nodes":[)")),
+             Contains("without the extension 'KHR_draco_mesh_compression'"));
   CHECK_THAT(refusal(gltf(R"("nodes":[{"mesh":0,"children":[1]},{"mesh":0,"children":[1]}])")), Contains("node 1 has several"));
   CHECK_THAT(refusal(gltf(R"("scenes":[{"nodes":[0]}],"nodes":[{"mesh":0,"children":[0]}])")), Contains("node 0 has several"));
   CHECK_THAT(refusal(gltf(R"("nodes":[{"mesh":3}])")), Contains("expected the number of a mesh, found 3 of 1"));
-  CHECK_THAT(refusal(gltf(R"("nodes":[{"mesh":0,"matrix":[1,0,0,1,0,1,0,0,0,0,1,0,0,0,0,1]}])")), Contains("nodes[0]: matrix: expected a matrix whose last row is 0 0 0 1"));
+  CHECK_THAT(refusal(gltf(R"("nodes":[{"mesh":0,"matrix":[1,0,0,1,0,1,0,0,0,0,1,0,0,0,0,1]}])")),
+             Contains("nodes[0]: matrix: expected a matrix whose last row is 0 0 0 1"));
   CHECK_THAT(refusal(gltf(R"("nodes":[{"mesh":0,"rotation":[0,0,0,0]}])")), Contains("nodes[0]: rotation: expected a quaternion other than 0 0 0 0"));
   CHECK_THAT(refusal(gltf(R"("nodes":[{"mesh":0,"scale":[1e300,1,1]}])")), Contains("part '/tet': a vertex where the part stands"));
-  const auto beside = [&](const std::string& uri) { return refusal(replaced(gltf_json(kOneNode), R"({"byteLength":72})", R"({"byteLength":72,"uri":")" + uri + "\"}")); };
+  const auto beside = [&](const std::string& uri) {
+    return refusal(replaced(gltf_json(kOneNode), R"({"byteLength":72})", R"({"byteLength":72,"uri":")" + uri + "\"}"));
+  };
   CHECK_THAT(beside("../a.bin"), Contains("buffers[0]: expected a file in the folder of this one, or below it, found '../a.bin'"));
   CHECK_THAT(beside("/etc/passwd"), Contains("found '/etc/passwd'"));
   CHECK_THAT(beside("%2e%2e/a.bin"), Contains("expected a file in the folder of this one"));

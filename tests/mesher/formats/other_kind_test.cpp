@@ -59,7 +59,8 @@ TEST_CASE("A file of another kind is named as what it is, with what to do") {
   }));
   CAPTURE(what);
   CHECK_THAT(refusal(bytes), Contains("mesh: this is " + what) && Contains(": expected STL, OBJ, PLY, OFF, 3MF or glTF"));
-  CHECK_THAT(refusal(gzipped(bytes)), Contains("mesh: this is " + what) && Contains(", compressed by gzip: expected STL, OBJ, PLY, OFF, 3MF or glTF"));
+  CHECK_THAT(refusal(gzipped(bytes)),
+             Contains("mesh: this is " + what) && Contains(", compressed by gzip: expected STL, OBJ, PLY, OFF, 3MF or glTF"));
 }
 
 TEST_CASE("A surface is read whatever its header or comments look like") {

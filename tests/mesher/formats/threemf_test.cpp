@@ -31,9 +31,11 @@ TEST_CASE("3MF: facets as they are, in the unit that the file states") {
 }
 
 TEST_CASE("3MF: components and items place objects, the outer last; mirrored facets are turned round") {
-  const std::string resources = tetrahedron_object(1, "name=\"a\"") + "<object id=\"2\" name=\"pair\"><components><component objectid=\"1\"/>"
+  const std::string resources = tetrahedron_object(1, "name=\"a\"") +
+                                "<object id=\"2\" name=\"pair\"><components><component objectid=\"1\"/>"
                                 "<component objectid=\"1\" transform=\"-1 0 0 0 1 0 0 0 1 5 0 0\"/></components></object>";
-  const Result r = read(threemf("<resources>" + resources + "</resources><build><item objectid=\"2\" transform=\"2 0 0 0 2 0 0 0 2 0 0 7\"/>"
+  const Result r = read(threemf("<resources>" + resources +
+                                "</resources><build><item objectid=\"2\" transform=\"2 0 0 0 2 0 0 0 2 0 0 7\"/>"
                                 "<item objectid=\"1\"/></build>"));
   REQUIRE(r.facets.size() == 12);
   CHECK(r.file.parts == std::vector<std::string>{"/pair/a", "/pair/a#2", "/a"});
@@ -50,8 +52,10 @@ TEST_CASE("3MF: components and items place objects, the outer last; mirrored fac
 
 TEST_CASE("3MF: what is wrong is named with its line") {
   const auto [inside, message] = GENERATE(table<std::string, std::string>({
-      {one_item("<object id=\"1\"><mesh><vertices><vertex x=\"0\" y=\"nan\" z=\"0\"/></vertices></mesh></object>"), "y: expected a number that is 0 or has"},
-      {one_item("<object id=\"1\"><mesh><vertices><vertex x=\"0\" z=\"0\"/></vertices></mesh></object>"), "y: expected a number that is 0 or has a magnitude from 1e-75 to 1e75, found none"},
+      {one_item("<object id=\"1\"><mesh><vertices><vertex x=\"0\" y=\"nan\" z=\"0\"/></vertices></mesh></object>"),
+       "y: expected a number that is 0 or has"},
+      {one_item("<object id=\"1\"><mesh><vertices><vertex x=\"0\" z=\"0\"/></vertices></mesh></object>"),
+       "y: expected a number that is 0 or has a magnitude from 1e-75 to 1e75, found none"},
       {one_item(replaced(tetrahedron_object(1), "v3=\"1\"", "v3=\"4\"")), "object 1: expected the number of a vertex, 0 to 3, found 4"},
       {one_item(replaced(tetrahedron_object(1), "v3=\"1\"", "v3=\"-1\"")), "v3: expected a whole number from 0 on, found '-1'"},
       {one_item(tetrahedron_object(2)), "expected the id of an object, found 1, which no object has"},
@@ -69,13 +73,16 @@ TEST_CASE("3MF: what is wrong is named with its line") {
 TEST_CASE("3MF: packages and extensions that can't be read") {
   const std::string item = one_item(tetrahedron_object(1));
   CHECK_THAT(refusal(threemf(item, "unit=\"parsec\"")), Contains("line 2: expected the unit micron") && Contains("found 'parsec'"));
-  CHECK_THAT(refusal(threemf(item, "xmlns:b=\"http://a/beamlattice\" requiredextensions=\"b\"")), Contains("an extension of 3MF, 'b' (http://a/beamlattice)"));
-  CHECK(read(threemf(item, "xmlns:m=\"http://schemas.microsoft.com/3dmanufacturing/material/2015/02\" requiredextensions=\"m\"")).facets == tetrahedron());
+  CHECK_THAT(refusal(threemf(item, "xmlns:b=\"http://a/beamlattice\" requiredextensions=\"b\"")),
+             Contains("an extension of 3MF, 'b' (http://a/beamlattice)"));
+  CHECK(read(threemf(item, "xmlns:m=\"http://schemas.microsoft.com/3dmanufacturing/material/2015/02\" requiredextensions=\"m\"")).facets ==
+        tetrahedron());
   CHECK_THAT(refusal(threemf_package("<!DOCTYPE model [<!ENTITY a \"b\">]><model/>")), Contains("expected no document type definition"));
   CHECK_THAT(refusal(threemf_package(std::string("\xff\xfe\0\0<\0\0\0", 8))), Contains("expected text in UTF-8 or UTF-16, found UTF-32"));
   CHECK_THAT(refusal(threemf_package("<?xml version=\"1.0\" encoding=\"ISO-8859-1\"?><model/>")), Contains("found the encoding 'ISO-8859-1'"));
   CHECK_THAT(refusal(threemf_package("<html/>")), Contains("expected a <model> of 3MF, found none"));
-  CHECK_THAT(refusal(package_of({{"_rels/.rels", kRelationships}})), Contains("expected the 3D model '/3D/3dmodel.model' in the package, found no such file"));
+  CHECK_THAT(refusal(package_of({{"_rels/.rels", kRelationships}})),
+             Contains("expected the 3D model '/3D/3dmodel.model' in the package, found no such file"));
   CHECK_THAT(refusal(package_of({{"3D/3dmodel.model", "<model/>"}})), Contains("'_rels/.rels' in the package: expected a file, found none"));
 }
 
@@ -95,5 +102,6 @@ TEST_CASE("3MF: a tree that a few lines describe and no disk holds is refused") 
     const std::string below = "<component objectid=\"" + std::to_string(id - 1) + "\"/>";
     objects += "<object id=\"" + std::to_string(id) + "\"><components>" + below + below + "</components></object>";
   }
-  CHECK_THAT(refusal(threemf("<resources>" + objects + "</resources><build><item objectid=\"44\"/></build>")), Contains("expected at most 524288 parts"));
+  CHECK_THAT(refusal(threemf("<resources>" + objects + "</resources><build><item objectid=\"44\"/></build>")),
+             Contains("expected at most 524288 parts"));
 }

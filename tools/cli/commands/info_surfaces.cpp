@@ -87,8 +87,11 @@ class Lines {
       const auto& [b, count] = groups[i];
       const bool last = i + 1 == groups.size();
       const std::string_view name = count > 1 ? base_name(b->name) : std::string_view(b->name);
-      all.push_back({fmt::format("{}{}{}{}", indent, outermost ? "" : last ? "└─ " : "├─ ", printable(name),
-                                 count > 1 ? fmt::format(" × {}", fmt::group_digits(count)) : ""),
+      all.push_back({fmt::format("{}{}{}{}", indent,
+                                 outermost ? ""
+                                 : last    ? "└─ "
+                                           : "├─ ",
+                                 printable(name), count > 1 ? fmt::format(" × {}", fmt::group_digits(count)) : ""),
                      b->kind == kNoKind ? nullptr : &survey_.kinds[b->kind]});
       add_all(b->below, outermost ? "" : indent + (last ? "   " : "│  "), false);
     }
@@ -119,18 +122,18 @@ std::string size_of(const Vec3& lo, const Vec3& hi) {
   return fmt::format("{} × {} × {}", number_text(hi[0] - lo[0], 5), number_text(hi[1] - lo[1], 5), number_text(hi[2] - lo[2], 5));
 }
 
-std::string looks_text(const PartKind& k) {
-  return printable(k.material) + (k.material.empty() || k.color.empty() ? "" : " ") + k.color;
-}
+std::string looks_text(const PartKind& k) { return printable(k.material) + (k.material.empty() || k.color.empty() ? "" : " ") + k.color; }
 
 void print_file(const std::string& name, const FileSurvey& f) {
   uint64_t parts = 0, facets = 0;
   for (const PartKind& k : f.kinds) parts += k.instances, facets += k.instances * k.facets;
   const std::string unit = f.file.unit.empty() ? "" : " " + f.file.unit;
   say(fmt::format("{}: {}, {}, {}{}, {}{}", printable(name), f.file.format, f.file.unit.empty() ? "no unit stated" : "in " + f.file.unit,
-                  plural(parts, "part"), parts > f.kinds.size() ? fmt::format(" of {}", plural(f.kinds.size(), "kind")) : "", size_of(f.lo, f.hi), unit));
+                  plural(parts, "part"), parts > f.kinds.size() ? fmt::format(" of {}", plural(f.kinds.size(), "kind")) : "", size_of(f.lo, f.hi),
+                  unit));
   const Lines lines(f);
-  std::vector<std::array<std::string, 5>> rows = {{"part", "facets", "size" + (unit.empty() ? "" : "," + unit), "volume" + (unit.empty() ? "" : "," + unit + "³"), ""}};
+  std::vector<std::array<std::string, 5>> rows = {
+      {"part", "facets", "size" + (unit.empty() ? "" : "," + unit), "volume" + (unit.empty() ? "" : "," + unit + "³"), ""}};
   for (size_t i = 0; i < std::min(lines.all.size(), kMostTreeLines); ++i) {
     const auto& [tree, kind] = lines.all[i];
     if (!kind) rows.push_back({tree, "", "", "", ""});
@@ -146,7 +149,8 @@ void print_file(const std::string& name, const FileSurvey& f) {
     for (size_t c = 1; c < row.size(); ++c) line += "  " + (c < 4 ? std::string(widths[c] - columns(row[c]), ' ') + row[c] : row[c]);
     say(line.substr(0, line.find_last_not_of(' ') + 1));
   }
-  if (lines.all.size() > kMostTreeLines) say(fmt::format("and {} more lines; --json has one entry for each kind of part", fmt::group_digits(lines.all.size() - kMostTreeLines)));
+  if (lines.all.size() > kMostTreeLines)
+    say(fmt::format("and {} more lines; --json has one entry for each kind of part", fmt::group_digits(lines.all.size() - kMostTreeLines)));
   for (const std::string& w : f.file.warnings) say(fmt::format("note: {}", w));
 }
 
@@ -162,12 +166,13 @@ bool names_a_grid(const std::string& name) {
 
 void print_surfaces(const std::vector<std::string>& names, bool json) {
   std::vector<FileSurvey> files;
-  for (const std::string& name : names) files.push_back(mesher::survey(name, {}));
-  if (json) std::cout << mesher::survey_json(files, names) << "\n";
-  for (size_t i = 0; i < files.size() && !json; ++i) {
-    if (i > 0) say("");
-    print_file(names[i], files[i]);
+  for (const std::string& name : names) {
+    files.push_back(mesher::survey(name, {}));
+    if (json) continue;
+    if (files.size() > 1) say("");
+    print_file(name, files.back());
   }
+  if (json) std::cout << mesher::survey_json(files, names) << "\n";
 }
 
 }  // namespace teracell::cli

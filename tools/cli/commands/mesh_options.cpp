@@ -56,8 +56,9 @@ std::string first_unit(const std::vector<std::string>& files) {
 }  // namespace
 
 void add_mesh_options(CLI::App& app, MeshArguments& o, bool of_many) {
-  app.add_option("inputs", o.inputs,
-                 "a scene (.json), or surfaces: STL, OBJ, PLY, OFF, 3MF, glTF, plain or compressed by gzip; each is a body, and later ones win where they overlap")
+  app.add_option(
+         "inputs", o.inputs,
+         "a scene (.json), or surfaces: STL, OBJ, PLY, OFF, 3MF, glTF, plain or compressed by gzip; each is a body, and later ones win where they overlap")
       ->required();
   app.add_option("-o,--output", o.output, "the .tcell file to write")->required();
   app.add_option("--cells", o.cells,
