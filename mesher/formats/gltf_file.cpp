@@ -68,7 +68,8 @@ std::string decoded_base64(std::string_view text) {
     const size_t digit = kDigits.find(c);
     if (digit == std::string_view::npos) throw InputError(fmt::format("expected base64, found {}", shown(std::string_view(&c, 1))));
     bits = bits << 6 | static_cast<uint32_t>(digit);
-    if ((have += 6) < 8) continue;
+    have += 6;
+    if (have < 8) continue;
     have -= 8;
     out += static_cast<char>(bits >> have & 255);
   }

@@ -29,7 +29,7 @@ constexpr size_t kMostObjects = size_t{1} << 18, kMostUses = size_t{1} << 19, kM
 struct UnitName {
   std::string_view in_file, unit;
 };
-constexpr UnitName kUnits[] = {{"micron", "um"}, {"millimeter", "mm"}, {"centimeter", "cm"}, {"inch", "in"}, {"foot", "ft"}, {"meter", "m"}};
+constexpr UnitName kModelUnits[] = {{"micron", "um"}, {"millimeter", "mm"}, {"centimeter", "cm"}, {"inch", "in"}, {"foot", "ft"}, {"meter", "m"}};
 
 std::string name_of(const char* text) { return text ? std::string(first_bytes(utf8_of(text), kLongestPartName)) : ""; }
 
@@ -61,8 +61,8 @@ std::string model_of(const ZipPackage& package) {
 // The unit of a <model>.
 std::string unit_of(const XmlElement& model, const XmlReader& xml) {
   const char* unit = model.find("unit");
-  const auto* known = std::ranges::find(kUnits, std::string_view(unit ? unit : "millimeter"), &UnitName::in_file);
-  if (known == std::end(kUnits))
+  const auto* known = std::ranges::find(kModelUnits, std::string_view(unit ? unit : "millimeter"), &UnitName::in_file);
+  if (known == std::end(kModelUnits))
     throw InputError(fmt::format("{}: expected the unit micron, millimeter, centimeter, inch, foot or meter, found {}", xml.at_line(), shown(unit)));
   return std::string(known->unit);
 }

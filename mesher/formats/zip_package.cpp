@@ -17,7 +17,7 @@ namespace teracell::mesher {
 namespace {
 
 // Models are packed 5 to 30 times; what is made to fill a disk is packed a thousand times.
-constexpr uint64_t kMostTimes = 250, kHarmless = uint64_t{1} << 26;
+constexpr uint64_t kMostUnpacked = 250, kHarmless = uint64_t{1} << 26;
 
 }  // namespace
 
@@ -101,9 +101,9 @@ void ZipPackage::read(const std::string& file, const std::function<bool(std::str
     if (got < 0) refuse("its compressed bytes are damaged");
     if (got == 0) break;
     unpacked += static_cast<uint64_t>(got);
-    if (unpacked > kHarmless && unpacked / kMostTimes > info.compressed_size)
+    if (unpacked > kHarmless && unpacked / kMostUnpacked > info.compressed_size)
       refuse(fmt::format("its {} bytes unpack to more than {} times as many: no model is packed so well, so nothing more is unpacked",
-                         info.compressed_size, kMostTimes));
+                         info.compressed_size, kMostUnpacked));
     if (!take({block.data(), static_cast<size_t>(got)})) return;
   }
   if (unpacked != info.uncompressed_size) refuse(fmt::format("cut short: expected {} bytes, found {}", info.uncompressed_size, unpacked));

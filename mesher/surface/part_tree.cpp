@@ -11,7 +11,7 @@ namespace teracell::mesher {
 namespace {
 
 // A file of some kilobytes can describe a tree of any size, because nodes may be used more than once.
-constexpr size_t kMostParts = size_t{1} << 19, kDeepest = 64;
+constexpr size_t kMostParts = size_t{1} << 19, kDeepestTree = 64;
 constexpr uint64_t kMostPathBytes = uint64_t{1} << 26;
 
 }  // namespace
@@ -52,9 +52,9 @@ PartTree::PartTree(std::string name, Shapes&& shapes, std::vector<PartNode>&& no
 
 void PartTree::visit(const std::vector<PartNode::Use>& uses, const std::string& above, const Matrix& matrix, size_t depth) {
   if (uses.empty()) return;
-  if (depth > kDeepest)
+  if (depth > kDeepestTree)
     throw InputError(fmt::format("{}: {}: expected at most {} levels in the tree of parts, found more: does a part contain itself?", name_,
-                                 shown(above), kDeepest));
+                                 shown(above), kDeepestTree));
   std::vector<std::string> names;
   names.reserve(uses.size());
   for (const PartNode::Use& use : uses) names.push_back(use.name.empty() ? nodes_[use.node].name : use.name);
