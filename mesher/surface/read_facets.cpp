@@ -127,6 +127,12 @@ std::string stated_unit(const std::filesystem::path& path) {
   return reader.unit ? reader.unit(input) : "";
 }
 
+std::string first_stated_unit(const std::vector<std::filesystem::path>& paths) {
+  for (const std::filesystem::path& path : paths)
+    if (std::string unit = stated_unit(path); !unit.empty()) return unit;
+  return "m";
+}
+
 SurfaceFile read_facets(const std::filesystem::path& path, const std::string& part, const FacetSink& sink, const ReadOptions& options) {
   if (options.kept && options.kept->tree && options.kept->name == path.string() && options.kept->units == options.units)
     return read_parts(*options.kept, part, sink, options);

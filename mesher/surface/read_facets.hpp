@@ -47,5 +47,7 @@ SurfaceFile read_facets(Input& input, const std::string& part, const FacetSink& 
 
 // The unit that a file states: m, cm, mm, um, nm, in or ft. Empty where it states none, or is no regular file. Throws as above.
 std::string stated_unit(const std::filesystem::path& path);
+// That of the first file which states one, else m: of a grid of surfaces without a scene.
+std::string first_stated_unit(const std::vector<std::filesystem::path>& paths);
 
 }  // namespace teracell::mesher

@@ -73,7 +73,7 @@ class Usage(Case):
                 (["no command 'nothing'. The commands are mesh"], ["nothing"]),
                 (["no option '--level'. See: teracell info --help"], ["info", "g.tcell", "--level", "1"]),
                 (["no option '-q'"], ["info", "g.tcell", "-q"]),
-                (["nothing more", "second"], ["info", "g.tcell", "second"]),
+                (["nothing more", "second"], ["stats", "g.tcell", "second"]),
                 (["--output"], ["mesh", "box.stl", "--cells", 4]),
                 (["--output"], ["slice", "g.tcell", "--axis", "z", "--index", "0"]),
                 (["--output", "value"], ["export", "g.tcell", "-o"]),

@@ -12,6 +12,7 @@
 
 #include "mesher/engines/engines.hpp"
 #include "mesher/pipeline.hpp"
+#include "mesher/surface/read_facets.hpp"
 #include "mesher/report/report_json.hpp"
 #include "store/base/error.hpp"
 #include "store/teracell.h"
@@ -358,6 +359,7 @@ std::string mesh(const std::string& scene_text, const std::string& folder, const
   Unlocked unlocked;
   try {
     mesher::Scene scene = surfaces.empty() ? mesher::parse_scene(scene_text, folder) : mesher::bare_scene({surfaces.begin(), surfaces.end()});
+    if (!surfaces.empty()) scene.units = mesher::first_stated_unit({surfaces.begin(), surfaces.end()});
     override_grid(scene, grid);
     const mesher::MeshReport report = mesh(
         scene, output, o,

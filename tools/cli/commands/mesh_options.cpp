@@ -46,13 +46,6 @@ std::optional<mesher::Shard> parse_shard(const std::string& text) {
   return mesher::Shard{static_cast<uint32_t>(number), static_cast<uint32_t>(of)};
 }
 
-// The unit that the first of the files states which states one.
-std::string first_unit(const std::vector<std::string>& files) {
-  for (const std::string& file : files)
-    if (std::string unit = mesher::stated_unit(file); !unit.empty()) return unit;
-  return "m";
-}
-
 }  // namespace
 
 void add_mesh_options(CLI::App& app, MeshArguments& o, bool of_many) {
@@ -122,7 +115,7 @@ mesher::Scene scene_from(const MeshArguments& o) {
     if (json) throw UsageError("--units: expected surfaces without a scene, found a scene: its units are in the file");
     if (!mesher::is_unit(o.units)) throw UsageError(fmt::format("--units: expected m, cm, mm, um, nm, in or ft, found '{}'", o.units));
     scene.units = o.units;
-  } else if (!json) scene.units = first_unit(o.inputs);
+  } else if (!json) scene.units = mesher::first_stated_unit({o.inputs.begin(), o.inputs.end()});
   if (!o.cells.empty() && o.step) throw UsageError("--cells and --step exclude each other: give one of them");
   mesher::GridOptions grid;
   if (!o.cells.empty()) {
