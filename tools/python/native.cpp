@@ -12,8 +12,8 @@
 
 #include "mesher/engines/engines.hpp"
 #include "mesher/pipeline.hpp"
-#include "mesher/surface/read_facets.hpp"
 #include "mesher/report/report_json.hpp"
+#include "mesher/surface/read_facets.hpp"
 #include "store/base/error.hpp"
 #include "store/teracell.h"
 
