@@ -136,7 +136,12 @@ class Outputs(Case):
             self.assertEqual(self.run_ok(*args).err, said)
             self.no_debris()
         self.write("x.tcell.partial", "some bytes")
-        self.assertEqual(self.run_ok(*mesh, "--resume").err, "")
+        self.assertEqual(self.run_ok(*mesh, "--resume").err, "warning: x.tcell.partial will be thrown away when the grid is begun: a killed run has left it, "
+                         "but no x.tcell.resume to go on from\n")
+        for args in [*self.every_writer("y")[1:], ["pack", "x.tcell", "-o", "y.tcell"], ["diff", "x.tcell", "x.tcell", "-o", "y.tcell"]]:
+            self.write(f"{args[-1]}.partial", "some bytes")
+            self.assertIn(f"warning: {args[-1]}.partial will be thrown away when the file is begun: a killed run has left it\n", self.run_ok(*args).err)
+            self.no_debris()
 
     def test_ctrl_c_leaves_nothing_behind(self):
         kept = self.bytes("g.tcell")

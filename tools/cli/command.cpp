@@ -101,6 +101,12 @@ void refuse_overwriting(const std::vector<std::string>& inputs, const std::strin
   }
 }
 
+void check_output(const std::vector<std::string>& inputs, const std::string& output) {
+  refuse_overwriting(inputs, output);
+  if (!output.empty() && left_behind(output))
+    warn(fmt::format("warning: {}.partial will be thrown away when the file is begun: a killed run has left it", output));
+}
+
 void say(const std::string& line) { fmt::print("{}\n", printable(line)); }
 
 // Not fmt::print(), which throws when stderr is closed: work must not fail for that.

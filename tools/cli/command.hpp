@@ -51,6 +51,8 @@ void warn(const std::string& line);
 std::string bytes_text(double bytes);  // "1.2 kB"
 // Throws UsageError if writing `output`, by way of its temporary file, would overwrite one of `inputs`. Empty names are skipped.
 void refuse_overwriting(const std::vector<std::string>& inputs, const std::string& output);
+// The same, and warns of what a killed run has left in place of `output`: it goes when the output is begun.
+void check_output(const std::vector<std::string>& inputs, const std::string& output);
 // From here on SIGINT, SIGTERM and SIGHUP set the flag instead of killing the program, so that it can remove its partial file.
 const std::atomic<bool>& watch_interrupts();
 // A signal ends what is done while it lives, on this thread and by workers for it, with Interrupted: `output` and what became of it.

@@ -116,6 +116,9 @@ TEST_CASE("A case gets the dictionaries that it lacks, once the mesh is complete
   CHECK_THROWS_AS(told({}), UsageError);  // there is a mesh
   fs::remove_all(folder / "case" / "constant");
   CHECK(told({}).empty());
+  for (const char* mesh : {"constant", "processor0", "processor1", "processor2"}) fs::remove_all(folder / "case" / mesh);
+  CHECK_THAT(told({{"--ranks", "2"}}),
+             Catch::Contains("case: system/decomposeParDict says numberOfSubdomains 3, and the mesh has 2 parts: change it"));
   CHECK_THROWS_AS(told({{"--fluid", "none"}}), UsageError);
 }
 

@@ -354,7 +354,7 @@ TEST_CASE("A surface that a format has no room for is refused by its runs alone,
     const int level = static_cast<int>(seed % 3);  // level 1 is not stored
     const Export e{*s.reader, level, s.reader->meta().grid.box(level), s.folder / "s.ply", [&](double share) { shares.push_back(share); }};
     const faces::Surface all(e, {0, 1}, {"ply", UINT64_MAX, UINT64_MAX, ""});
-    const uint64_t least = faces::least_vertices(e, {false, true, true, true});
+    const uint64_t least = faces::least_vertices(e, {false, true, true, true}, ~uint64_t{0});
     CHECK(least > 0);
     CHECK(least <= all.vertices());
     CHECK(2 * least <= all.facets());

@@ -28,7 +28,7 @@ void run(const CheckArguments& o) {
   const std::filesystem::path output = !o.output.empty()         ? std::filesystem::path(o.output)
                                        : is_address(o.grid.name) ? std::filesystem::path()
                                                                  : kept_findings(o.grid.name);
-  if (!output.empty()) refuse_overwriting({o.grid.name}, output.string());
+  if (!output.empty()) check_output({o.grid.name}, output.string());
   CheckOptions options = o.options;
   options.threads = threads_or_all(options.threads);
   const Findings findings = check_grid(o.grid, output, options, o.progress);

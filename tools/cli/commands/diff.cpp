@@ -36,7 +36,7 @@ void print(const Difference& d) {
 }
 
 void run(const DiffArguments& o) {
-  refuse_overwriting({o.first, o.second}, o.output);
+  check_output({o.first, o.second}, o.output);
   const Wanted wanted = until_interrupted(o.output.empty() ? o.first : o.output);
   const GridReader first = open_grid({o.first, o.source}), second = open_grid({o.second, o.source});
   DifferenceOptions options;

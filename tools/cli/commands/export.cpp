@@ -70,7 +70,7 @@ void check_options(const ExportArguments& o, const exports::ExportFormat& format
 void run(const ExportArguments& o) {
   const exports::ExportFormat& format = format_of(o);
   check_options(o, format);
-  refuse_overwriting({o.grid.name}, o.output);
+  check_output({o.grid.name}, o.output);
   const GridReader reader = open_grid(o.grid);
   const Grid& grid = reader.meta().grid;
   check_level(grid, o.level);

@@ -17,7 +17,7 @@ struct MergeArguments {
 
 void run(const MergeArguments& o) {
   if (!o.report.empty() && o.report == o.output) throw UsageError(fmt::format("--report and --output name the same file, {}", o.output));
-  for (const std::string& output : {o.output, o.report}) refuse_overwriting(o.parts, output);
+  for (const std::string& output : {o.output, o.report}) check_output(o.parts, output);
   const std::atomic<bool>& interrupted = watch_interrupts();
   std::optional<OutputFile> report_file;
   if (!o.report.empty()) report_file.emplace(o.report);

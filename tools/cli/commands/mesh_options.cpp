@@ -164,7 +164,8 @@ void check_outputs(const MeshArguments& o, const mesher::Scene& scene) {
   std::vector<std::string> inputs = o.inputs;
   for (const mesher::SceneBody& body : scene.bodies) inputs.push_back(body.mesh.string());
   for (const mesher::SceneAxis& axis : scene.axis) inputs.push_back(axis.planes_file.string());
-  for (const std::string& output : outputs) refuse_overwriting(inputs, output);
+  refuse_overwriting(inputs, o.output);  // of what was left of this one, warn_of_leftovers() knows more
+  for (size_t i = 1; i < outputs.size(); ++i) check_output(inputs, outputs[i]);
 }
 
 mesher::MeshOptions mesh_options(const MeshArguments& o, int share) {
@@ -198,10 +199,12 @@ mesher::MeshOptions mesh_options(const MeshArguments& o, int share) {
 }
 
 void warn_of_leftovers(const MeshArguments& o, const std::filesystem::path& file) {
-  if (o.resume || !left_behind(file)) return;
   const bool could_resume = std::filesystem::exists(file.string() + ".resume");
+  if (!left_behind(file) || (o.resume && could_resume)) return;
   warn(fmt::format("warning: {}.partial will be thrown away when the grid is begun: a killed run has left it{}", file.string(),
-                   could_resume ? ", and --resume would go on with it" : ""));
+                   o.resume       ? fmt::format(", but no {}.resume to go on from", file.string())
+                   : could_resume ? ", and --resume would go on with it"
+                                  : ""));
 }
 
 void warn_of_caps(const MeshArguments& o, const mesher::MeshReport& report) {

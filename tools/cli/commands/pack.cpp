@@ -31,7 +31,7 @@ void keep_findings(const PackArguments& o) try {
 }
 
 void run(const PackArguments& o) {
-  refuse_overwriting({o.grid.name}, o.output);
+  check_output({o.grid.name}, o.output);
   const GridReader reader = open_grid(o.grid);
   const Wanted wanted = until_interrupted(o.output);
   ProgressLine line(o.progress, "");

@@ -26,7 +26,7 @@ void run(const PageArguments& o) {
   const std::string ending = CLI::detail::to_lower(std::filesystem::path(o.output).extension().string());
   const bool whole = ending == ".html" || ending == ".htm";
   if (whole && o.grids.empty()) throw UsageError("page: expected the grids that are to be in the page: teracell page g.tcell -o g.html");
-  if (whole) refuse_overwriting(o.grids, o.output);
+  if (whole) check_output(o.grids, o.output);
 
   std::deque<GridReader> readers;  // a file that is no grid is refused
   std::vector<server::PageGrid> grids;

@@ -30,7 +30,7 @@ std::vector<double> weights_of(const std::string& text, const GridReader& reader
 }
 
 void run(const PartitionArguments& o) {
-  refuse_overwriting({o.grid.name}, o.output);
+  check_output({o.grid.name}, o.output);
   const GridReader reader = open_grid(o.grid);
   PartitionOptions options{o.ranks, o.method == "slabs" ? PartitionMethod::kSlabs : PartitionMethod::kBlocks, weights_of(o.weight, reader), o.align,
                            o.halo};

@@ -26,7 +26,7 @@ struct RenderArguments {
 void run(const RenderArguments& o) {
   const std::string_view format = server::picture_format(o.output);
   if (format.empty()) throw UsageError(fmt::format("--output: expected a name that ends in .png, .jpg or .jpeg, found '{}'", o.output));
-  refuse_overwriting({o.grid.name}, o.output);
+  check_output({o.grid.name}, o.output);
   const GridReader reader = open_grid(o.grid, std::make_shared<KeptChunks>(kChunksKept));
   const Wanted wanted = until_interrupted(o.output);
   const auto given = [&](std::string_view name) -> const std::string* {

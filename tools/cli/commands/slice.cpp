@@ -106,7 +106,7 @@ void run(const SliceArguments& o) {
     throw UsageError(fmt::format("--output: expected a name that ends in .png or .npy, found '{}'", o.output));
   if (o.to_scale && extension == ".npy") throw UsageError("--true: expected a picture, found an array: its cells have no widths");
   if (o.pixels && !o.to_scale) throw UsageError("--pixels: expected --true too: other pictures have a pixel per cell");
-  refuse_overwriting({o.grid.name}, o.output);
+  check_output({o.grid.name}, o.output);
   const GridReader reader = open_grid(o.grid);
   const SliceView view = view_of(o, reader.meta());
   const Wanted wanted = until_interrupted(o.output);

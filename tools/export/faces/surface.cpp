@@ -97,7 +97,7 @@ auto order(const Index3& block) { return std::tuple(block[2], block[1], block[0]
 
 }  // namespace
 
-uint64_t least_vertices(const Export& e, const std::vector<bool>& chosen) {
+uint64_t least_vertices(const Export& e, const std::vector<bool>& chosen, uint64_t enough) {
   const LevelShape shape = e.reader.shape(e.level);
   const SetValue material = strongest_material(e.reader.meta());
   const RayFrame frame = e.reader.meta().frame();
@@ -105,6 +105,7 @@ uint64_t least_vertices(const Export& e, const std::vector<bool>& chosen) {
   e.reader.prefetch(e.level, e.box);
   std::shared_ptr<Chunk> scratch;
   for_each_part(shape, RayBox(e.box, frame), [&](const ChunkPart& p) {
+    if (out > enough) return;
     e.progress(0);
     const bool first = p.first_w + p.w0 == e.box.lo[frame.w], last = p.first_w + p.w1 == e.box.hi[frame.w];
     if (const auto set = e.reader.uniform(p.key)) {
@@ -129,7 +130,7 @@ Surface::Surface(const Export& e, Leg leg, const Room& room)
   double corners = 1;  // of all cells
   for (int d = 0; d < 3; ++d) corners *= static_cast<double>(e.box.hi[d] - e.box.lo[d] + 1);
   if (corners > static_cast<double>(std::min(room.vertices, room.facets / 2))) {
-    const uint64_t least = least_vertices(e, chosen_);
+    const uint64_t least = least_vertices(e, chosen_, std::min(room.vertices, room.facets / 2));
     expect_room(least, 2 * least);
   }
   find_blocks(leg);

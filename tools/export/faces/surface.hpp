@@ -76,8 +76,8 @@ class Surface {
 };
 
 // The number of facets' squares across the rays, or less where chunks meet. The surface has as many vertices at least, since no more than four of
-// them share a corner, and twice as many facets.
-uint64_t least_vertices(const Export& e, const std::vector<bool>& chosen);
+// them share a corner, and twice as many facets. Counts no further than a chunk beyond `enough`.
+uint64_t least_vertices(const Export& e, const std::vector<bool>& chosen, uint64_t enough);
 
 // Appends a number as bytes, in the order of memory: little endian, like every machine this runs on.
 template <class T>

@@ -1,5 +1,6 @@
 #include "tools/export/openfoam/dictionaries.hpp"
 
+#include <fstream>
 #include <utility>
 
 #include <fmt/format.h>
@@ -58,7 +59,20 @@ void write(const fs::path& file, const std::string& text) {
   out.commit();
 }
 
+// The number of parts that a decomposeParDict states, where that is written as usual.
+std::optional<uint32_t> stated_parts(const fs::path& file) {
+  std::ifstream in(file);
+  for (std::string word; in >> word;)
+    if (uint32_t parts; word == "numberOfSubdomains" && in >> parts) return parts;
+  return std::nullopt;
+}
+
 }  // namespace
+
+std::optional<uint32_t> other_parts(const fs::path& folder, uint32_t parts) {
+  const auto stated = stated_parts(folder / "system" / "decomposeParDict");
+  return stated == parts ? std::nullopt : stated;
+}
 
 std::vector<std::string> write_dictionaries(const fs::path& folder, std::optional<uint32_t> parts) {
   std::vector<std::pair<std::string, std::string>> all = {{"controlDict", kControl}, {"fvSchemes", kSchemes}, {"fvSolution", kSolution}};

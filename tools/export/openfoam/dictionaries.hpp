@@ -12,4 +12,7 @@ namespace teracell::exports::foam {
 // those that were written, within the case. Throws IoError.
 std::vector<std::string> write_dictionaries(const std::filesystem::path& folder, std::optional<uint32_t> parts);
 
+// The number of parts that the case's decomposeParDict states, if it states one other than `parts`: programs of OpenFOAM refuse to start then.
+std::optional<uint32_t> other_parts(const std::filesystem::path& folder, uint32_t parts);
+
 }  // namespace teracell::exports::foam

@@ -128,6 +128,9 @@ void write_case(const Export& asked) {
   names.addressing = e.has("--ranks") && fits_labels(counts.points, counts.cells, counts.all_faces());
   write_mesh(division, counts, names, {[&](uint32_t part) { return folder.mesh(part); }, scale}, share(0.25, 1));
   folder.commit();
+  if (const auto other = e.has("--ranks") ? other_parts(e.output, ranks) : std::nullopt)
+    e.tell(fmt::format("{}: system/decomposeParDict says numberOfSubdomains {}, and the mesh has {} parts: change it, or solvers refuse to start",
+                       e.output.string(), *other, ranks));
   const std::vector<std::string> written = write_dictionaries(e.output, e.has("--ranks") ? std::optional(ranks) : std::nullopt);
   if (!written.empty())
     e.tell(fmt::format("{}: {} {} written for checkMesh and laplacianFoam, and yours to change", e.output.string(), fmt::join(written, ", "),
