@@ -149,6 +149,8 @@ std::string mesh_shown(const std::filesystem::path& mesh, const std::filesystem:
   return (within.empty() || *within.begin() == ".." ? mesh.filename() : within).string();
 }
 
+std::string bare_mesh_shown(const std::filesystem::path& mesh) { return printable((mesh.is_absolute() ? mesh.filename() : mesh).string()); }
+
 Scene bare_scene(const std::vector<std::filesystem::path>& meshes) {
   if (meshes.size() > kMaxMaterials)
     throw UsageError(
@@ -163,7 +165,7 @@ Scene bare_scene(const std::vector<std::filesystem::path>& meshes) {
     SceneBody body;
     body.name = names.numbered(mesh_stem(path));
     body.mesh = path;
-    body.mesh_text = printable((path.is_absolute() ? path.filename() : path).string());  // the same wherever the program runs
+    body.mesh_text = bare_mesh_shown(path);
     body.material = id;
     scene.materials.push_back({body.name, palette_color(id)});
     scene.bodies.push_back(std::move(body));

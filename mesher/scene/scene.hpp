@@ -98,10 +98,11 @@ Scene parse_scene(const std::string& json_text, const std::filesystem::path& fol
 
 // A mesh as others may see it: as the scene names it, but of an absolute path what comes after the scene's folder, or the file's name alone.
 std::string mesh_shown(const std::filesystem::path& mesh, const std::filesystem::path& folder);
+// The same without a scene: of an absolute path the file's name alone, wherever the program runs.
+std::string bare_mesh_shown(const std::filesystem::path& mesh);
 
 // One body per file, in the order given: shown by its path, or of an absolute one by the file's name alone. Body and material are named after the
-// file, with a number when the name repeats
-// ("hull", "hull-2").
+// file, with a number when the name repeats ("hull", "hull-2").
 Scene bare_scene(const std::vector<std::filesystem::path>& meshes);
 
 // The cells or step given in the options replace those of every uniform axis, whose min and max stay. A graded axis keeps its

@@ -61,6 +61,24 @@ class Assemblies(Case):
         r = teracell("mesh", "m.glb", "--units", "parsec", "--cells", 40, "-o", "c.tcell", cwd=self.folder)
         self.assertEqual((r.status, "expected m, cm, mm, um, nm, in or ft, found 'parsec'" in r.err), (2, True), r.err)
 
+    def test_a_scene_to_edit_and_a_body_for_each_part_are_the_same_cells(self):
+        self.run_ok("mesh", "m.3mf", "--by-part", "--cells", 50, "-o", "by.tcell")
+        by = self.json_of("stats", "by.tcell")
+        self.assertEqual([m["name"] for m in by["materials"]][1:], [p for p, _, _ in self.parts])
+        out = self.run_ok("scene", "m.3mf", "--cells", 50, "-o", "edit.json").out
+        self.assertIn("edit.json: 7 bodies of 4 materials\nguessed, because no file names them: plate, bolt, болт, a/b [1]*\n", out)
+        self.run_ok("mesh", "edit.json", "-o", "edit.tcell")
+        edit = {m["name"]: m["cells"] for m in self.json_of("stats", "edit.tcell")["materials"]}
+        cells = {m["name"]: m["cells"] for m in by["materials"]}
+        self.assertEqual(edit, {"air": cells["air"], "plate": cells["/plate"], "bolt": cells["/left/bolt"] + cells["/right/bolt"],
+                                "болт": cells["/left/болт"] + cells["/right/болт"],
+                                "a/b [1]*": cells["/left/支持体/a\\/b \\[1]\\*"] + cells["/right/支持体/a\\/b \\[1]\\*"]})
+        os.mkdir(self.path("deep"))
+        self.run_ok("scene", "m.glb", "0.stl", "--step", 0.25, "-o", "deep/edit.json")
+        self.assertEqual([b["mesh"] for b in self.read_json("deep/edit.json")["bodies"]][-2:], ["../m.glb", "../0.stl"])
+        self.run_ok("mesh", "deep/edit.json", "-o", "deep.tcell")
+        self.assertEqual(teracell("mesh", "edit.json", "--by-part", "-o", "x.tcell", cwd=self.folder).status, 2)
+
     def test_runs_that_spill_and_shards_see_the_same_parts(self):
         bodies = [{"name": p, "mesh": "m.3mf", "part": glob_of(p), "material": "steel"} for p, _, _ in self.parts]
         self.mesh("whole", bodies)

@@ -15,6 +15,20 @@ import teracell
 from support import ENVIRONMENT, folder, grids
 
 
+class Assemblies(unittest.TestCase):
+    def test_parts_are_told_of_and_meshed_by_name(self):
+        (folder / "two.off").write_text("OFF\n4 4 0\n0 0 0\n2 0 0\n0 2 0\n0 0 2\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n")
+        found = teracell.info(folder / "two.off")
+        self.assertEqual((found["format"], found["unit"], found["box"]), ("off", None, [0, 0, 0, 2, 2, 2]))
+        self.assertEqual([(p["path"], p["closed"]) for p in found["parts"]], [("/mesh 1", True)])
+        self.assertAlmostEqual(found["parts"][0]["volume"], 8 / 6)
+        grid = teracell.mesh(folder / "two.off", folder / "two.tcell", units="mm", by_part=True, cells=40)
+        self.assertEqual((grid.units, [m.name for m in grid.materials]), ("mm", ["air", "two"]))
+        self.assertEqual(teracell.info(folder / "two.tcell")["units"], "mm")
+        with self.assertRaisesRegex(ValueError, "units: expected m, cm"):
+            teracell.mesh(folder / "two.off", folder / "two.tcell", units="parsec")
+
+
 class Arguments(unittest.TestCase):
     def test_absurd_arguments_are_value_errors_in_words_of_the_package(self):
         grid = teracell.open(grids[0])

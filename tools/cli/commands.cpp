@@ -4,8 +4,9 @@
 // clang-format off
 #define TERACELL_COMMANDS(command) \
   command(mesh, "mesh a scene or bare surfaces into a .tcell file") \
+  command(scene, "write a scene to edit, with a body for each part of assemblies") \
   command(merge, "put the parts of a grid together that were made apart") \
-  command(info, "what a .tcell file holds") \
+  command(info, "what a grid, a surface or an assembly holds") \
   command(slice, "one slice as a picture (.png) or an array (.npy)") \
   command(render, "a picture in three dimensions (.png, .jpg)") \
   command(column, "the runs of one column along any axis") \

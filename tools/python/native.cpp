@@ -13,7 +13,10 @@
 #include "mesher/engines/engines.hpp"
 #include "mesher/pipeline.hpp"
 #include "mesher/report/report_json.hpp"
+#include "mesher/scene/from_parts.hpp"
 #include "mesher/surface/read_facets.hpp"
+#include "mesher/survey/survey.hpp"
+#include "mesher/survey/survey_json.hpp"
 #include "store/base/error.hpp"
 #include "store/teracell.h"
 
@@ -346,6 +349,9 @@ std::string mesh(const std::string& scene_text, const std::string& folder, const
     o.fractions = options["fractions"].cast<Subdivision>();
     if (const std::string beyond = beyond_bounds(*o.fractions); !beyond.empty()) throw UsageError("fractions: " + beyond);
   }
+  const std::string units = given("units") ? options["units"].cast<std::string>() : "";
+  if (!units.empty() && !mesher::is_unit(units)) throw UsageError("units: expected m, cm, mm, um, nm, in or ft, found '" + units + "'");
+  const bool by_part = given("by_part") && options["by_part"].cast<bool>();
   if (given("resume")) o.resume = options["resume"].cast<bool>();
 
   const std::vector<std::string> engines = mesher::engine_names();
@@ -358,8 +364,11 @@ std::string mesh(const std::string& scene_text, const std::string& folder, const
   const bool silent = progress.is_none();
   Unlocked unlocked;
   try {
-    mesher::Scene scene = surfaces.empty() ? mesher::parse_scene(scene_text, folder) : mesher::bare_scene({surfaces.begin(), surfaces.end()});
-    if (!surfaces.empty()) scene.units = mesher::first_stated_unit({surfaces.begin(), surfaces.end()});
+    const std::vector<std::filesystem::path> files(surfaces.begin(), surfaces.end());
+    mesher::Scene scene = files.empty() ? mesher::parse_scene(scene_text, folder)
+                          : by_part     ? mesher::scene_by_part(files, {})
+                                        : mesher::bare_scene(files);
+    if (!files.empty()) scene.units = units.empty() ? mesher::first_stated_unit(files) : units;
     override_grid(scene, grid);
     const mesher::MeshReport report = mesh(
         scene, output, o,
@@ -410,6 +419,10 @@ PYBIND11_MODULE(_native, m) {
   });
   m.attr("version") = tc_version();
   m.def("mesh", &mesh);
+  m.def("survey", [](const std::string& file) {
+    const Unlocked unlocked;
+    return teracell::mesher::survey_json({teracell::mesher::survey(file, {})}, {file});
+  });
   py::class_<NativePartition>(m, "Partition")
       .def(py::init<const std::string&>())
       .def("plan", &NativePartition::plan)

@@ -16,8 +16,8 @@
 #include "store/text/text.hpp"
 #include "store/whole/info.hpp"
 #include "tools/cli/command.hpp"
-#include "tools/cli/commands/info_surfaces.hpp"
 #include "tools/cli/commands/mesh_summary.hpp"
+#include "tools/cli/parts_table.hpp"
 
 namespace teracell::cli {
 namespace {

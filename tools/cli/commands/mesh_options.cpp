@@ -10,6 +10,7 @@
 
 #include "mesher/bodies/caps_file.hpp"
 #include "mesher/engines/engines.hpp"
+#include "mesher/scene/from_parts.hpp"
 #include "mesher/surface/read_facets.hpp"
 #include "mesher/surface/units.hpp"
 #include "store/base/error.hpp"
@@ -56,6 +57,7 @@ void add_mesh_options(CLI::App& app, MeshArguments& o, bool of_many) {
   app.add_option("-o,--output", o.output, "the .tcell file to write")->required();
   app.add_option("--cells", o.cells,
                  "N: cubic cells, N along the longest axis with its pad, so fewer along the others; NX,NY,NZ: this many cells along each axis");
+  app.add_flag("--by-part", o.by_part, "without a scene: a body and a material for each part of the files, not for each file");
   app.add_option("--units", o.units,
                  "of the grid, for surfaces without a scene: m, cm, mm, um, nm, in or ft (default: the first unit that a file states, else m); files "
                  "that state theirs are converted");
@@ -110,12 +112,15 @@ mesher::Scene scene_from(const MeshArguments& o) {
   }
   if (json && o.inputs.size() != 1)
     throw UsageError(fmt::format("expected one scene or bare meshes, found {} files with a scene among them", o.inputs.size()));
-  mesher::Scene scene = json ? mesher::read_scene(o.inputs[0]) : mesher::bare_scene({o.inputs.begin(), o.inputs.end()});
+  if (json && o.by_part)
+    throw UsageError("--by-part: expected surfaces without a scene, found a scene: `teracell scene` writes one with a body for each part");
+  const std::vector<std::filesystem::path> files(o.inputs.begin(), o.inputs.end());
+  mesher::Scene scene = json ? mesher::read_scene(o.inputs[0]) : o.by_part ? mesher::scene_by_part(files, {}) : mesher::bare_scene(files);
   if (!o.units.empty()) {
     if (json) throw UsageError("--units: expected surfaces without a scene, found a scene: its units are in the file");
     if (!mesher::is_unit(o.units)) throw UsageError(fmt::format("--units: expected m, cm, mm, um, nm, in or ft, found '{}'", o.units));
     scene.units = o.units;
-  } else if (!json) scene.units = mesher::first_stated_unit({o.inputs.begin(), o.inputs.end()});
+  } else if (!json) scene.units = mesher::first_stated_unit(files);
   if (!o.cells.empty() && o.step) throw UsageError("--cells and --step exclude each other: give one of them");
   mesher::GridOptions grid;
   if (!o.cells.empty()) {

@@ -11,7 +11,7 @@ struct MeshArguments {
   std::optional<double> step, stitch;
   std::optional<int64_t> pad;
   int threads = 0;
-  bool resume = false, thin = false, links = false, check = false;
+  bool resume = false, thin = false, links = false, check = false, by_part = false;
 };
 
 // `of_many`: of a program of many processes, which takes no part of the grid.

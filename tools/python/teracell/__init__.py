@@ -22,7 +22,7 @@ from . import _native
 from ._arguments import corners, index_of, is_address, one_or_three, path_of, shown, whole, whole_key, wholes
 from ._errors import Error, FormatError, IoError, UsageError
 
-__all__ = ["open", "mesh", "Grid", "Level", "Axis", "Material", "Patch", "Cells", "Partition", "Part", "Error", "FormatError", "IoError", "UsageError",
+__all__ = ["open", "mesh", "info", "Grid", "Level", "Axis", "Material", "Patch", "Cells", "Partition", "Part", "Error", "FormatError", "IoError", "UsageError",
            "__version__"]
 __version__ = _native.version
 
@@ -377,11 +377,24 @@ class Partition(collections.abc.Sequence):
         return Part(rank, tuple(lo[::-1] + hi[::-1]), tuple(halo_lo[::-1] + halo_hi[::-1]), weight, neighbours)
 
 
-def mesh(scene, output, *, folder=".", cells=None, step=None, pad=None, axis=None, engine=None, threads=0, memory=None, tmp=None, thin=False,
+def info(path):
+    """What a file holds, as a dict: of a grid `Grid.info`; of a surface or an assembly its format, unit, box and parts, as
+    `teracell info --json` prints them, lengths in the unit of the file."""
+    if not is_address(path) and not path_of(path).endswith(".tcell"):
+        with _open(path_of(path), "rb") as file:
+            head = file.read(16)
+        if head[8:16] != b"teracell":
+            return json.loads(_native.survey(os.fsencode(path_of(path))))["files"][0]
+    return Grid(path).info
+
+
+def mesh(scene, output, *, folder=".", units=None, by_part=False, cells=None, step=None, pad=None, axis=None, engine=None, threads=0, memory=None, tmp=None, thin=False,
          fractions=None, links=False, resume=False, progress=None):
     """Meshes a scene and returns the Grid. The file appears under the name `output` only when it is complete.
 
-    scene     a scene file, a surface file, a list of surface files, or a scene as a dict, whose paths are relative to `folder`
+    scene     a scene file; a surface or an assembly, or a list of these; or a scene as a dict, whose paths are relative to `folder`
+    units     of the grid, without a scene (default: the first unit that a file states, else "m")
+    by_part   without a scene: a body and a material for each part of the files
     cells     the number of cells along the longest axis, or of each axis (x, y, z)
     step      the edge of a cell, instead of `cells`
     pad       cells around the bodies
@@ -413,7 +426,9 @@ def mesh(scene, output, *, folder=".", cells=None, step=None, pad=None, axis=Non
         surfaces = [os.fsencode(path_of(scene))]
     if isinstance(scene, (list, tuple)) and not surfaces:
         raise UsageError("scene: expected at least one surface, found none")
-    options = {"cells": _given(cells, lambda n: one_or_three("cells", n, 1)), "step": _given(step, _length),
+    if not surfaces and (units is not None or by_part):
+        raise UsageError("units, by_part: expected surfaces without a scene, found a scene")
+    options = {"units": _given(units, str), "by_part": bool(by_part), "cells": _given(cells, lambda n: one_or_three("cells", n, 1)), "step": _given(step, _length),
                "pad": _given(pad, lambda n: whole("pad", n, 0)), "axis": _given(axis, "xyz".index), "engine": _given(engine, str),
                "threads": whole("threads", threads, 0, 1024), "memory": _given(memory, lambda n: whole("memory", n, 1, (1 << 63) - 1)),
                "tmp": _given(tmp, lambda path: os.fsencode(path_of(path))), "thin": bool(thin), "links": bool(links),

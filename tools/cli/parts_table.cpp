@@ -1,4 +1,4 @@
-#include "tools/cli/commands/info_surfaces.hpp"
+#include "tools/cli/parts_table.hpp"
 
 #include <algorithm>
 #include <fstream>

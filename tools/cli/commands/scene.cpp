@@ -1,0 +1,50 @@
+// teracell scene: a scene to edit, with a body for each part of assemblies and surfaces.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "mesher/scene/from_parts.hpp"
+#include "store/base/error.hpp"
+#include "store/base/output_file.hpp"
+#include "store/text/text.hpp"
+#include "tools/cli/command.hpp"
+
+namespace teracell::cli {
+namespace {
+
+struct SceneArguments {
+  std::vector<std::string> files;
+  std::string output;
+  std::optional<int64_t> cells;
+  std::optional<double> step;
+};
+
+void run(const SceneArguments& o) {
+  check_output(o.files, o.output);
+  if (o.cells && o.step) throw UsageError("--cells and --step exclude each other: give one of them");
+  if (o.step && !(*o.step > 0)) throw UsageError(fmt::format("--step: expected a number above 0, found {}", *o.step));
+  OutputFile file(o.output);
+  const mesher::SceneText scene =
+      mesher::scene_text({o.files.begin(), o.files.end()}, std::filesystem::path(o.output).parent_path(), o.cells, o.step, {});
+  file.append({reinterpret_cast<const uint8_t*>(scene.text.data()), scene.text.size()});
+  file.commit();
+  constexpr size_t kShown = 8;
+  const std::vector<std::string> some(scene.guessed.begin(), scene.guessed.begin() + static_cast<ptrdiff_t>(std::min(scene.guessed.size(), kShown)));
+  say(fmt::format("{}: {} of {}", o.output, scene.bodies == 1 ? "1 body" : fmt::format("{} bodies", scene.bodies),
+                  plural(scene.materials, "material")));
+  if (!some.empty())
+    say(fmt::format("guessed, because no file names them: {}{}", fmt::join(some, ", "), scene.guessed.size() > kShown ? ", ..." : ""));
+}
+
+}  // namespace
+
+Run setup_scene(CLI::App& app) {
+  const auto o = std::make_shared<SceneArguments>();
+  app.add_option("files", o->files, "assemblies and surfaces: 3MF, glTF, STL, OBJ, PLY, OFF")->required()->type_name("FILE");
+  app.add_option("-o,--output", o->output, "the scene (.json) to write")->required();
+  app.add_option("--cells", o->cells, "cubic cells, this many along the longest axis with its pad (default 200)")->check(in_range(3, 2147483646));
+  app.add_option("--step", o->step, "the edge of a cell, in the units of the scene, which are those that the first file states");
+  app.footer("Example:\n  teracell scene assembly.3mf --cells 1000 -o scene.json\n  teracell mesh scene.json -o assembly.tcell");
+  return [o] { run(*o); };
+}
+
+}  // namespace teracell::cli
