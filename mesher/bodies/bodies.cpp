@@ -128,6 +128,7 @@ class BodyReader {
     hand_on();
     out_.helper->finish();
     study_->hand_over(out_);
+    if (out_.in_memory) *out_.kept = {};
   }
 
  private:

@@ -217,9 +217,11 @@ class ModelReader {
 
   // Groups of materials have an id, and what is in them is known by its place.
   void begin_material(std::string_view name, const XmlElement& e) {
-    if (name == "basematerials" || name == "colorgroup") group_ = &groups_[number(e, "id")];
-    else if ((name == "base" || name == "color") && group_) {
-      if (++materials_ > kMostMaterials) refuse(fmt::format("expected at most {} materials, found more", kMostMaterials));
+    const bool group = name == "basematerials" || name == "colorgroup";
+    if (!group && name != "base" && name != "color") return;
+    if (++materials_ > kMostMaterials) refuse(fmt::format("expected at most {} materials, found more", kMostMaterials));
+    if (group) group_ = &groups_[number(e, "id")];
+    else if (group_) {
       const char* color = e.find(name == "base" ? "displaycolor" : "color");
       group_->push_back({name_of(e.find("name")), color_of(color ? color : "")});
     }

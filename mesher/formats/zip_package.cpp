@@ -1,5 +1,6 @@
 #include "mesher/formats/zip_package.hpp"
 
+#include <strings.h>
 #include <unzip.h>
 
 #include <algorithm>
@@ -75,9 +76,14 @@ ZipPackage::ZipPackage(std::string name, const Contents& contents)
 
 ZipPackage::~ZipPackage() = default;
 
+// (unzLocateFile() reads beyond names that are longer than its buffer.)
 bool ZipPackage::has(const std::string& file) const {
-  constexpr int kAnyCase = 2;
-  return unzLocateFile(zip_.get(), file.c_str(), kAnyCase) == UNZ_OK;
+  for (int status = unzGoToFirstFile(zip_.get()); status == UNZ_OK; status = unzGoToNextFile(zip_.get())) {
+    std::array<char, 512> name{};
+    if (unzGetCurrentFileInfo64(zip_.get(), nullptr, name.data(), name.size() - 1, nullptr, 0, nullptr, 0) != UNZ_OK) return false;
+    if (strcasecmp(name.data(), file.c_str()) == 0) return true;
+  }
+  return false;
 }
 
 void ZipPackage::read(const std::string& file, const std::function<bool(std::string_view)>& take) const {

@@ -116,8 +116,10 @@ std::unique_ptr<FacetBins> TiledFacets::fill_bins(const TreeRange& range, bool a
   }
   hand_on();
   background.finish();
-  if (!again)
+  if (!again) {
+    *bodies_.kept = {};
     for (BodyFacets& body : bodies_.bodies) body.closed.drop_facets();
+  }
   bins->finish();
   return bins;
 }
