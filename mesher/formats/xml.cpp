@@ -10,7 +10,7 @@
 
 #include <fmt/format.h>
 
-#include "mesher/surface/reader.hpp"
+#include "mesher/surface/facet.hpp"
 #include "store/base/error.hpp"
 
 namespace teracell::mesher {

@@ -12,6 +12,7 @@
 
 #include <fmt/format.h>
 
+#include "mesher/surface/facet.hpp"
 #include "store/base/error.hpp"
 
 namespace teracell::mesher {
