@@ -367,6 +367,7 @@ void GltfFile::read_bytes(uint32_t buffer, uint64_t offset, std::span<char> out)
   if (offset > there || out.size() > there - offset)
     refuse(fmt::format("buffers[{}]", buffer),
            fmt::format("cut short: expected {} bytes from {} on, found {} bytes in all", out.size(), offset, there));
+  if (out.empty()) return;
   if (b.beside) b.beside->read(offset, out);
   else if (b.uri.empty()) contents_->read(binary_at_ + offset, out);
   else std::memcpy(out.data(), b.decoded.data() + offset, out.size());

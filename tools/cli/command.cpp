@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "store/base/error.hpp"
+#include "store/base/output_file.hpp"
 #include "store/text/text.hpp"
 #include "store/text/words.hpp"
 
