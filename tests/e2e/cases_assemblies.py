@@ -64,7 +64,7 @@ class Assemblies(Case):
     def test_a_scene_to_edit_and_a_body_for_each_part_are_the_same_cells(self):
         self.run_ok("mesh", "m.3mf", "--by-part", "--cells", 50, "-o", "by.tcell")
         by = self.json_of("stats", "by.tcell")
-        self.assertEqual([m["name"] for m in by["materials"]][1:], [p for p, _, _ in self.parts])
+        self.assertEqual([m["name"] for m in by["materials"]][1:], [glob_of(p) for p, _, _ in self.parts])
         out = self.run_ok("scene", "m.3mf", "--cells", 50, "-o", "edit.json").out
         self.assertIn("edit.json: 7 bodies of 4 materials\nguessed, because no file names them: plate, bolt, болт, a/b [1]*\n", out)
         self.run_ok("mesh", "edit.json", "-o", "edit.tcell")

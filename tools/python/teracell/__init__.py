@@ -380,12 +380,13 @@ class Partition(collections.abc.Sequence):
 def info(path):
     """What a file holds, as a dict: of a grid `Grid.info`; of a surface or an assembly its format, unit, box and parts, as
     `teracell info --json` prints them, lengths in the unit of the file."""
-    if not is_address(path) and not path_of(path).endswith(".tcell"):
-        with _open(path_of(path), "rb") as file:
+    name = path_of(path)
+    if not is_address(name) and not name.endswith(".tcell"):
+        with _open(name, "rb") as file:
             head = file.read(16)
         if head[8:16] != b"teracell":
-            return json.loads(_native.survey(os.fsencode(path_of(path))))["files"][0]
-    return Grid(path).info
+            return json.loads(_native.survey(os.fsencode(name)))["files"][0]
+    return Grid(name).info
 
 
 def mesh(scene, output, *, folder=".", units=None, by_part=False, cells=None, step=None, pad=None, axis=None, engine=None, threads=0, memory=None, tmp=None, thin=False,
