@@ -84,9 +84,12 @@ std::string whole_text(unsigned __int128 number) {
 
 std::string plural(uint64_t n, std::string_view thing) { return fmt::format("{} {}{}", n, thing, n == 1 ? "" : "s"); }
 
+// (The page's module has no fmt for 128 bits.)
 std::string counted(unsigned __int128 n, std::string_view one, std::string_view many) {
-  if (n != 1 && !many.empty()) return fmt::format("{} {}", fmt::group_digits(n), many);
-  return fmt::format("{} {}{}", fmt::group_digits(n), one, n == 1 ? "" : "s");
+  std::string digits = whole_text(n);
+  for (size_t i = digits.size(); i > 3;) digits.insert(i -= 3, ",");
+  if (n != 1 && !many.empty()) return fmt::format("{} {}", digits, many);
+  return fmt::format("{} {}{}", digits, one, n == 1 ? "" : "s");
 }
 
 std::string_view nearest(std::string_view word, std::span<const std::string_view> candidates) {
