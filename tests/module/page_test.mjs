@@ -96,7 +96,10 @@ async function expect_findings(page) {
   const served = await open_grid(browser, `${server.url}#g=stadium`);
   for (const one of [page, served]) {
     await one.click("#tab-report");
-    await one.getByText("findings in all").waitFor();
+    await one.waitForFunction(() => {
+      const text = document.querySelector("#panel-content").innerText;
+      return /\d+ (error|warning|note)s?[:,.]/.test(text) && !text.includes("Not checked yet");
+    });
   }
   assert.equal(await panel(page), await panel(served));
   await close(served);
