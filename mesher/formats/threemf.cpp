@@ -314,7 +314,7 @@ PartTree open_3mf(Input& input, SurfaceFile& file, const ReadOptions& options) {
 }
 
 std::string unit_of_3mf(Input& input) {
-  const Contents contents(input, {.folder = std::filesystem::temp_directory_path()});
+  const Contents contents(input, modest_budget());
   const ZipPackage package(input.name(), contents);
   std::string unit;
   const std::string model = model_of(package);

@@ -46,12 +46,7 @@ std::string body_name(const Leaf& leaf, const std::filesystem::path& file, NameB
 // "nut" for "/as1/nut#2".
 std::string plain_name(const std::string& path) {
   const std::vector<std::string> names = names_of(path);
-  if (names.empty()) return "";
-  const std::string& last = names.back();
-  const size_t sharp = last.rfind('#');
-  const bool numbered =
-      sharp != std::string::npos && sharp > 0 && sharp + 1 < last.size() && last.find_first_not_of("0123456789", sharp + 1) == std::string::npos;
-  return numbered ? last.substr(0, sharp) : last;
+  return names.empty() ? "" : std::string(without_number(names.back()));
 }
 
 // The materials of a scene: those that files name, else one for each colour, else one for each name of parts.

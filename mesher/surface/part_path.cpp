@@ -85,6 +85,13 @@ std::vector<std::string> told_apart(std::vector<std::string> names) {
   return names;
 }
 
+std::string_view without_number(std::string_view name) {
+  const size_t sharp = name.rfind('#');
+  const bool numbered = sharp != std::string_view::npos && sharp > 0 && sharp + 1 < name.size() &&
+                        name.find_first_not_of("0123456789", sharp + 1) == std::string_view::npos;
+  return numbered ? name.substr(0, sharp) : name;
+}
+
 PartGlob::PartGlob(std::string glob) : glob_(std::move(glob)), coded_(coded_glob(glob_)), is_path_(glob_.starts_with('/') && !has_wildcard(glob_)) {}
 
 bool PartGlob::matches(std::string_view path) const {

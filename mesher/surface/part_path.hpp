@@ -17,6 +17,8 @@ std::vector<std::string> names_of(std::string_view path);
 
 // Siblings by names that differ: of those with one name the later get #2, #3 and so on, but no name that another sibling has.
 std::vector<std::string> told_apart(std::vector<std::string> names);
+// The name without such a number: "nut" for "nut#2".
+std::string_view without_number(std::string_view name);
 
 // Which parts of a file a body takes.
 class PartGlob {

@@ -11,7 +11,7 @@ namespace teracell::mesher {
 namespace {
 
 // A file of some kilobytes can describe a tree of any size, because nodes may be used more than once.
-constexpr size_t kMostParts = size_t{1} << 19, kDeepestTree = 64;
+constexpr size_t kMostParts = size_t{1} << 19, kMostVisited = 4 * kMostParts, kDeepestTree = 64;
 constexpr uint64_t kMostPathBytes = uint64_t{1} << 26;
 
 }  // namespace
@@ -23,26 +23,18 @@ uint32_t Shapes::begin_vertices(bool float32) {
 
 uint32_t Shapes::begin_shape() {
   shapes_.emplace_back();
-  return shapes() - 1;
+  return static_cast<uint32_t>(shapes_.size() - 1);
 }
 
 void Shapes::add_triangle(uint32_t set, const std::array<uint32_t, 3>& numbers) {
-  std::vector<Stretch>& shape = shapes_.back();
-  if (shape.empty() || shape.back().set != set) shape.push_back({set, triangles_.size(), 0});
-  ++shape.back().count;
+  Shape& shape = shapes_.back();
+  if (shape.stretches.empty() || shape.stretches.back().set != set) {
+    shape.stretches.push_back({set, triangles_.size(), 0});
+    shape.float32 = shape.float32 && sets_[set].float32;
+  }
+  ++shape.stretches.back().count;
+  ++shape.facets;
   triangles_.push_back(numbers);
-}
-
-uint64_t Shapes::facets(uint32_t shape) const {
-  uint64_t sum = 0;
-  for (const Stretch& s : shapes_[shape]) sum += s.count;
-  return sum;
-}
-
-bool Shapes::float32(uint32_t shape) const {
-  for (const Stretch& s : shapes_[shape])
-    if (!sets_[s.set].float32) return false;
-  return true;
 }
 
 PartTree::PartTree(std::string name, Shapes&& shapes, std::vector<PartNode>&& nodes, const std::vector<PartNode::Use>& roots)
@@ -62,6 +54,9 @@ void PartTree::visit(const std::vector<PartNode::Use>& uses, const std::string& 
   for (size_t i = 0; i < uses.size(); ++i) {
     const PartNode& node = nodes_[uses[i].node];
     const std::string path = path_below(above, names[i]);
+    if (++visited_ > kMostVisited)
+      throw InputError(
+          fmt::format("{}: expected at most {} places in the tree of parts, found more, the first of them at {}", name_, kMostVisited, shown(path)));
     const Matrix placed = uses[i].matrix == kIdentity ? matrix : matrix == kIdentity ? uses[i].matrix : product(matrix, uses[i].matrix);
     if (node.shape && shapes_.facets(*node.shape) > 0) {
       path_bytes_ += path.size();

@@ -29,14 +29,12 @@ class Shapes {
   uint32_t begin_shape();
   // REQUIRES: the numbers are below vertices(set).
   void add_triangle(uint32_t set, const std::array<uint32_t, 3>& numbers);
-  uint32_t shapes() const { return static_cast<uint32_t>(shapes_.size()); }
-
-  uint64_t facets(uint32_t shape) const;
-  bool float32(uint32_t shape) const;
+  uint64_t facets(uint32_t shape) const { return shapes_[shape].facets; }
+  bool float32(uint32_t shape) const { return shapes_[shape].float32; }
   // Calls f(a, b, c) with the vertices of each facet, in the order in which they were added.
   template <class F>
   void for_each(uint32_t shape, F&& f) {
-    for (const Stretch& s : shapes_[shape])
+    for (const Stretch& s : shapes_[shape].stretches)
       for (uint64_t i = 0; i < s.count; ++i) {
         const std::array<uint32_t, 3> numbers = triangles_[s.first + i];
         const uint64_t first = sets_[s.set].first;
@@ -54,10 +52,15 @@ class Shapes {
     uint32_t set;
     uint64_t first, count;
   };
+  struct Shape {
+    std::vector<Stretch> stretches;
+    uint64_t facets = 0;
+    bool float32 = true;
+  };
   VertexTable vertices_;
   TriangleTable triangles_;
   std::vector<Set> sets_;
-  std::vector<std::vector<Stretch>> shapes_;
+  std::vector<Shape> shapes_;
 };
 
 // Something that has a name in the tree. Of a node that is used more than once, everything below it is there as often.
@@ -90,7 +93,6 @@ class PartTree {
   const PartNode& node(const Part& part) const { return nodes_[part.node]; }
   // The parts that a body takes: their numbers in parts(), ascending.
   std::vector<uint32_t> matching(const PartGlob& glob);
-  uint64_t facets(const Part& part) const { return shapes_.facets(*node(part).shape); }
   bool float32(const Part& part) const { return part.matrix == kIdentity && shapes_.float32(*node(part).shape); }
   // Calls f(facet) with each of its facets where it stands. Throws InputError when a vertex leaves the range of coordinates.
   template <class F>
@@ -111,7 +113,7 @@ class PartTree {
   Shapes shapes_;
   std::vector<PartNode> nodes_;
   std::vector<Part> parts_;
-  uint64_t path_bytes_ = 0;
+  uint64_t path_bytes_ = 0, visited_ = 0;
   std::unordered_map<std::string_view, uint32_t> by_path_;  // made when it is needed
 };
 

@@ -13,6 +13,9 @@ class Background;
 
 namespace teracell::mesher {
 
+// For reading outside of a run, which has a budget of its own: what exceeds a gigabyte lies on disk.
+inline Budget modest_budget() { return {.bytes = uint64_t{1} << 30, .folder = std::filesystem::temp_directory_path()}; }
+
 struct KeptTree;
 
 struct ReadOptions {

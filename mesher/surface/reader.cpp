@@ -27,7 +27,10 @@ FacetStream::FacetStream(const PartGlob& glob, const FacetSink& sink, const std:
 
 void FacetStream::enter_patch(std::string_view name) {
   name = name.substr(0, kLongestPatchName);
-  if (name == patch_) return;
+  if (name != patch_) change_patch(name);
+}
+
+void FacetStream::change_patch(std::string_view name) {
   flush();
   patch_ = name;
   limit_ = 0;
@@ -68,9 +71,7 @@ void FacetStream::add_parts(PartTree& tree, SurfaceFile& file) {
     const Part& part = tree.parts()[i];
     matched_ = true;
     file.float32 &= file.factor.is_one() && tree.float32(part);
-    flush();
-    patch_ = part.path;
-    limit_ = 0;
+    change_patch(part.path);
     tree.read(part, [this](const Facet& facet) { next() = facet; });
   }
 }

@@ -49,6 +49,7 @@ class FacetStream {
   static constexpr size_t kFew = 32, kMany = 4096, kLongestPatchName = 256;
   void note(const std::string& name);
   void flush();
+  void change_patch(std::string_view name);
   void make_room();
   void begin_patch();
 

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "mesher/surface/part_path.hpp"
+#include "mesher/surface/read_options.hpp"
 #include "mesher/survey/survey.hpp"
 #include "mesher/survey/survey_json.hpp"
 #include "store/grid/number_text.hpp"
@@ -47,17 +48,9 @@ Branch tree_of(const FileSurvey& f) {
   return root;
 }
 
-// The name without the number that tells it from siblings: "nut" for "nut#2".
-std::string_view base_name(std::string_view name) {
-  const size_t sharp = name.rfind('#');
-  const bool numbered = sharp != std::string_view::npos && sharp > 0 && sharp + 1 < name.size() &&
-                        name.find_first_not_of("0123456789", sharp + 1) == std::string_view::npos;
-  return numbered ? name.substr(0, sharp) : name;
-}
-
 // Equal for branches that look the same.
 size_t looks_of(const Branch& b) {
-  size_t hash = std::hash<std::string_view>()(base_name(b.name)) * 31 + b.kind;
+  size_t hash = std::hash<std::string_view>()(mesher::without_number(b.name)) * 31 + b.kind;
   for (const Branch& child : b.below) hash = (hash ^ looks_of(child)) * 0x9e3779b97f4a7c15;
   return hash;
 }
@@ -86,7 +79,7 @@ class Lines {
     for (size_t i = 0; i < groups.size(); ++i) {
       const auto& [b, count] = groups[i];
       const bool last = i + 1 == groups.size();
-      const std::string_view name = count > 1 ? base_name(b->name) : std::string_view(b->name);
+      const std::string_view name = count > 1 ? mesher::without_number(b->name) : std::string_view(b->name);
       all.push_back({fmt::format("{}{}{}{}", indent,
                                  outermost ? ""
                                  : last    ? "└─ "
@@ -167,7 +160,7 @@ bool names_a_grid(const std::string& name) {
 void print_surfaces(const std::vector<std::string>& names, bool json) {
   std::vector<FileSurvey> files;
   for (const std::string& name : names) {
-    files.push_back(mesher::survey(name, {}));
+    files.push_back(mesher::survey(name, mesher::modest_budget()));
     if (json) continue;
     if (files.size() > 1) say("");
     print_file(name, files.back());

@@ -366,7 +366,7 @@ std::string mesh(const std::string& scene_text, const std::string& folder, const
   try {
     const std::vector<std::filesystem::path> files(surfaces.begin(), surfaces.end());
     mesher::Scene scene = files.empty() ? mesher::parse_scene(scene_text, folder)
-                          : by_part     ? mesher::scene_by_part(files, {})
+                          : by_part     ? mesher::scene_by_part(files, mesher::modest_budget())
                                         : mesher::bare_scene(files);
     if (!files.empty()) scene.units = units.empty() ? mesher::first_stated_unit(files) : units;
     override_grid(scene, grid);
@@ -421,7 +421,7 @@ PYBIND11_MODULE(_native, m) {
   m.def("mesh", &mesh);
   m.def("survey", [](const std::string& file) {
     const Unlocked unlocked;
-    return teracell::mesher::survey_json({teracell::mesher::survey(file, {})}, {file});
+    return teracell::mesher::survey_json({teracell::mesher::survey(file, teracell::mesher::modest_budget())}, {file});
   });
   py::class_<NativePartition>(m, "Partition")
       .def(py::init<const std::string&>())

@@ -115,7 +115,9 @@ mesher::Scene scene_from(const MeshArguments& o) {
   if (json && o.by_part)
     throw UsageError("--by-part: expected surfaces without a scene, found a scene: `teracell scene` writes one with a body for each part");
   const std::vector<std::filesystem::path> files(o.inputs.begin(), o.inputs.end());
-  mesher::Scene scene = json ? mesher::read_scene(o.inputs[0]) : o.by_part ? mesher::scene_by_part(files, {}) : mesher::bare_scene(files);
+  mesher::Scene scene = json        ? mesher::read_scene(o.inputs[0])
+                        : o.by_part ? mesher::scene_by_part(files, mesher::modest_budget())
+                                    : mesher::bare_scene(files);
   if (!o.units.empty()) {
     if (json) throw UsageError("--units: expected surfaces without a scene, found a scene: its units are in the file");
     if (!mesher::is_unit(o.units)) throw UsageError(fmt::format("--units: expected m, cm, mm, um, nm, in or ft, found '{}'", o.units));

@@ -3,6 +3,7 @@
 #include <fmt/ranges.h>
 
 #include "mesher/scene/from_parts.hpp"
+#include "mesher/surface/read_options.hpp"
 #include "store/base/error.hpp"
 #include "store/base/output_file.hpp"
 #include "store/text/text.hpp"
@@ -24,7 +25,7 @@ void run(const SceneArguments& o) {
   if (o.step && !(*o.step > 0)) throw UsageError(fmt::format("--step: expected a number above 0, found {}", *o.step));
   OutputFile file(o.output);
   const mesher::SceneText scene =
-      mesher::scene_text({o.files.begin(), o.files.end()}, std::filesystem::path(o.output).parent_path(), o.cells, o.step, {});
+      mesher::scene_text({o.files.begin(), o.files.end()}, std::filesystem::path(o.output).parent_path(), o.cells, o.step, mesher::modest_budget());
   file.append({reinterpret_cast<const uint8_t*>(scene.text.data()), scene.text.size()});
   file.commit();
   constexpr size_t kShown = 8;
