@@ -31,7 +31,7 @@ TEST_CASE("A coordinate times p/q is the double nearest to the exact product") {
                      (random() % 2 ? 1 : -1);
     const double y = f.of(x);
     // |y q - x p| is at most that of either neighbour, all times q.
-    const auto off = [&](double z) {
+    const auto off = [&](double z) -> Rational {
       return abs(Rational(z) * Rational(static_cast<double>(f.q)) - Rational(x) * Rational(static_cast<double>(f.p)));
     };
     REQUIRE(off(y) <= off(std::nextafter(y, HUGE_VAL)));
