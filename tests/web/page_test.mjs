@@ -434,7 +434,8 @@ test("with the keyboard alone, every control can be reached, seen and used", asy
       return { name: e.getAttribute("aria-label") ?? e.innerText ?? "", role: e.getAttribute("role") ?? e.tagName.toLowerCase(), ring };
     });
   const names = [];
-  let used = { slice: false, hidden: false };
+  const used = { slice: false, hidden: false };
+  const comes = (...condition) => page.waitForFunction(...condition, { timeout: 5000 }).then(() => true, () => false);
   for (let n = 0; n < 80; ++n) {
     await page.keyboard.press("Tab");
     const at = await focused();
@@ -444,11 +445,11 @@ test("with the keyboard alone, every control can be reached, seen and used", asy
     if (/^Slice \d+ across y/.test(at.name)) {
       const [, j] = await state(page, "cell");
       await page.keyboard.press(".");
-      used.slice = (await state(page, "cell"))[1] === j + 1;
+      used.slice = await comes((next) => teracell.viewer.cell.value[1] === next, j + 1);
     }
     if (at.name === `Show ${info_of("stadium").materials[1].name}`) {
       await page.keyboard.press("Space");
-      used.hidden = (await state(page, "looks"))[1].visible === false;
+      used.hidden = await comes(() => !teracell.viewer.looks.value[1].visible, null);
     }
   }
   assert.deepEqual(used, { slice: true, hidden: true });
