@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
+#include <unordered_map>
 #include <utility>
 
 #include <fmt/format.h>
@@ -90,6 +92,32 @@ bool together(const Scene& scene, const Budget& budget) {
          });
 }
 
+// What a body is made of, part by part, and each shape is counted once. Parts that stand where an equal one stands repeat its facets.
+SurfaceCounts counts_by_shape(PartTree& tree, const std::string& glob) {
+  std::unordered_map<uint32_t, SurfaceCounts> of_shape;
+  std::set<std::pair<uint32_t, Matrix>> places;
+  SurfaceCounts out;
+  for (const uint32_t i : tree.matching(PartGlob(glob))) {
+    const Part& part = tree.parts()[i];
+    const uint32_t shape = *tree.node(part).shape;
+    if (!places.emplace(shape, part.matrix).second) {
+      out.duplicates += tree.facets(part);
+      continue;
+    }
+    const auto [counts, fresh] = of_shape.try_emplace(shape);
+    if (fresh) {
+      SurfaceCounter counter;
+      tree.read_unplaced(part, [&](const Facet& f) { counter.add(f); });
+      counts->second = counter.totals();
+    }
+    out.degenerate += counts->second.degenerate;
+    out.duplicates += counts->second.duplicates;
+    out.opposite += counts->second.opposite;
+    out.shells += counts->second.shells;
+  }
+  return out;
+}
+
 // Reads the bodies one after another and hands what it reads to the helper, some thousand facets or bodies at a time. (With one
 // job per body, a scene of 100,000 bodies spent more time on handing over than on the work.)
 class BodyReader {
@@ -97,7 +125,8 @@ class BodyReader {
   BodyReader(const Scene& scene, const Budget& budget, bool count, Bodies& out)
       : scene_(scene),
         budget_(budget),
-        most_(std::min(budget.bytes / 8 * 5 / kBytesPerFacet, together(scene, budget) ? ~uint64_t{0} : kMostTogether)),
+        together_(together(scene, budget)),
+        most_(std::min(budget.bytes / 8 * 5 / kBytesPerFacet, together_ ? ~uint64_t{0} : kMostTogether)),
         count_(count),
         out_(out),
         counts_(out.counts) {}
@@ -120,6 +149,7 @@ class BodyReader {
                                 .helper = out_.helper.get(),
                                 .expect = [&](uint64_t facets) { make_room(facets); },
                                 .enter_patch = [&](uint32_t patch) { patch_ = patch; }});
+      if (out_.kept->name == body.mesh.string() && repeats()) found.counts = counts_by_shape(*out_.kept->tree, body.part);
       if (!found.file.regular) once_.push_back(b);
       if (!out_.in_memory) expect_files();
       batch_.pieces.push_back({b, {}, 0, true, 0});
@@ -148,6 +178,7 @@ class BodyReader {
   };
 
   void take(size_t b, uint32_t layer, std::span<const Facet> facets) {
+    if (out_.in_memory && !together_ && repeats()) spill();
     make_room(facets.size());
     batch_.facets += facets.size();
     if (!out_.in_memory) {
@@ -161,6 +192,9 @@ class BodyReader {
     }
     if (batch_.facets >= kFacets) hand_on();
   }
+
+  // The facets that arrive are those of a tree whose shapes, which are kept, are much less than all facets.
+  bool repeats() const { return out_.kept->tree && out_.kept->tree->repeats(); }
 
   void make_room(uint64_t facets) {
     if (out_.in_memory && out_.facets->size() + facets > most_) spill();
@@ -212,6 +246,7 @@ class BodyReader {
 
   const Scene& scene_;
   const Budget& budget_;
+  const bool together_;
   const uint64_t most_;
   const bool count_;
   uint32_t patch_ = 0;        // of the facets that are being read
@@ -279,9 +314,10 @@ void for_each_facet(const SceneBody& body, const BodyFacets& found, const Bodies
                     const std::function<void(const Facet&)>& f) {
   if (bodies.in_memory && !bodies.facets) throw std::logic_error("for_each_facet: the facets were handed on");
   if (bodies.in_memory) return bodies.facets->for_each(found.first, found.first + found.file.facets, [&](const SceneFacet& s) { f(s.facet); });
-  read_again(body, found, budget, [&](std::span<const Facet> facets) {
+  const auto each = [&](std::span<const Facet> facets) {
     for (const Facet& facet : facets) f(facet);
-  });
+  };
+  read_again(body, found, each, {.budget = budget, .kept = bodies.kept.get()});
 }
 
 void for_each_placed(const Scene& scene, const Bodies& bodies, const Budget& budget, const std::function<void(const Facet&, uint32_t layer)>& f) {
@@ -300,10 +336,9 @@ void for_each_placed(const Scene& scene, const Bodies& bodies, const Budget& bud
   }
 }
 
-void read_again(const SceneBody& body, const BodyFacets& found, const Budget& budget, const FacetSink& sink,
-                const std::function<void(uint32_t)>& enter_patch, KeptTree* kept) {
-  const SurfaceFile file =
-      read_facets(body.mesh, body.part, sink, {.budget = budget, .units = found.file.units, .kept = kept, .enter_patch = enter_patch});
+void read_again(const SceneBody& body, const BodyFacets& found, const FacetSink& sink, ReadOptions options) {
+  options.units = found.file.units;
+  const SurfaceFile file = read_facets(body.mesh, body.part, sink, options);
   if (file.hash != found.file.hash)
     throw InputError(
         fmt::format("{}: the file changed while it was meshed: its hash was {} and is {} now", body.mesh.string(), found.file.hash, file.hash));

@@ -22,6 +22,7 @@ struct BodyFacets {
   uint64_t first = 0;  // when in memory: its facets are [first, first + file.facets) of Bodies::facets
   Vec3 lo, hi;         // the box of its vertices, as the grid sees them
   BoundaryProof boundary;
+  std::optional<SurfaceCounts> counts;  // of a body of a tree that repeats (part_tree.hpp): by its shapes
   bool opposites = false;  // two facets of a sample have the same vertices and opposite orientations
   ClosedBody closed;       // by close_bodies()
 };
@@ -56,9 +57,7 @@ void for_each_facet(const SceneBody& body, const BodyFacets& found, const Bodies
                     const std::function<void(const Facet&)>& f);
 // Calls f with all facets, those that close surfaces included, as the grid sees them. REQUIRES: they were not handed on.
 void for_each_placed(const Scene& scene, const Bodies& bodies, const Budget& budget, const std::function<void(const Facet&, uint32_t layer)>& f);
-// Reads a body's file once more. Throws InputError when the file has changed.
-void read_again(
-    const SceneBody& body, const BodyFacets& found, const Budget& budget, const FacetSink& sink,
-    const std::function<void(uint32_t)>& enter_patch = [](uint32_t) {}, KeptTree* kept = nullptr);
+// Reads a body's file once more, in the units in which it was read. Throws InputError when the file has changed.
+void read_again(const SceneBody& body, const BodyFacets& found, const FacetSink& sink, ReadOptions options);
 
 }  // namespace teracell::mesher

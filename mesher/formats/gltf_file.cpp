@@ -399,8 +399,12 @@ void GltfFile::open(uint32_t buffer) {
   const bool outside = path.is_absolute() || b.uri.find(':') != std::string::npos || std::ranges::count(path, "..") > 0;
   if (outside) refuse(where, fmt::format("expected a file in the folder of this one, or below it, found {}", shown(b.uri)));
   if (!on_disk_) refuse(where, fmt::format("the file {} is missing", shown(b.uri)));
+  const std::filesystem::path file = std::filesystem::path(name_).parent_path() / path;
+  std::error_code ignored;
+  if (std::filesystem::exists(file, ignored) && !std::filesystem::is_regular_file(file, ignored))  // a pipe or a device may have no end
+    refuse(where, fmt::format("expected a file, found something else at {}", shown(file.string())));
   try {
-    Input beside(std::filesystem::path(name_).parent_path() / path);
+    Input beside(file);
     b.beside = std::make_unique<Contents>(beside, budget_);
     all_bytes_ += b.beside->size();
     file_.bytes += beside.bytes_on_disk();

@@ -19,7 +19,9 @@ namespace teracell::mesher {
 namespace {
 
 // Models are packed 5 to 30 times; what is made to fill a disk is packed a thousand times.
-constexpr uint64_t kMostUnpacked = 250, kHarmless = uint64_t{1} << 26;
+constexpr uint64_t kMostUnpacked = 64, kHarmless = uint64_t{1} << 26;
+// Stands for a size that is told elsewhere, which Minizip 1.1 (Debian 12) does not find.
+constexpr uint64_t kToldElsewhere = 0xffffffff;
 
 }  // namespace
 
@@ -95,6 +97,8 @@ void ZipPackage::read(const std::string& file, const std::function<bool(std::str
   if (!has(file)) refuse("expected a file, found none");
   unz_file_info64 info{};
   if (unzGetCurrentFileInfo64(zip_.get(), &info, nullptr, 0, nullptr, 0, nullptr, 0) != UNZ_OK) refuse("its entry in the list of files is damaged");
+  if (info.compressed_size == kToldElsewhere || info.uncompressed_size == kToldElsewhere)
+    refuse("expected a model of less than 4 GB (2 GB by some programs), found a larger one: export it as STL, PLY or GLB, or in several files");
   if ((info.flag & 1) != 0) refuse("expected a file that is not encrypted");
   if (info.compression_method != 0 && info.compression_method != Z_DEFLATED)
     refuse(fmt::format("expected a file that is stored or deflated, found compression method {}", info.compression_method));

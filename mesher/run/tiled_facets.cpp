@@ -1,8 +1,10 @@
 #include "mesher/run/tiled_facets.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
+#include "mesher/closing/lengths.hpp"
 #include "mesher/scene/placement.hpp"
 
 namespace teracell::mesher {
@@ -11,6 +13,40 @@ namespace {
 std::vector<bool> which_move(const Scene& scene) {
   std::vector<bool> out;
   for (const SceneBody& body : scene.bodies) out.push_back(body.matrix != kIdentity);
+  return out;
+}
+
+std::vector<bool> to_be_counted(const Bodies& bodies) {
+  std::vector<bool> out;
+  for (const BodyFacets& body : bodies.bodies) out.push_back(!body.counts);
+  return out;
+}
+
+// Trees whose parts stand in bins for their facets, as long as all of them take no more than some memory.
+class SharedTrees {
+ public:
+  explicit SharedTrees(uint64_t bytes) : left_(bytes) {}
+  bool holds(const std::shared_ptr<PartTree>& tree) {
+    if (tree == last_) return true;
+    if (!tree->repeats() || !tree->in_memory() || tree->bytes_in_memory() > left_) return false;
+    left_ -= tree->bytes_in_memory();
+    last_ = tree;
+    return true;
+  }
+
+ private:
+  uint64_t left_;
+  std::shared_ptr<PartTree> last_;  // the others are held by their parts
+};
+
+// REQUIRES: `part` is one of the tree's.
+BinnedPart binned_part(const std::shared_ptr<const PartTree>& tree, const Part& part, const SceneBody& body, uint32_t layer, uint32_t patch) {
+  BinnedPart out{tree->facets(part), {}, {}, layer, patch, [tree, &part](const auto& f) { tree->read(part, f); }};
+  out.lo.fill(HUGE_VAL), out.hi.fill(-HUGE_VAL);
+  const bool moves = body.matrix != kIdentity;
+  tree->read(part, [&](const Facet& facet) {
+    for (const Vec3& v : facet.vertex) extend(out.lo, out.hi, moves ? moved(v, body) : v);
+  });
   return out;
 }
 
@@ -26,7 +62,7 @@ TiledFacets::TiledFacets(const Scene& scene, Bodies& bodies, const Metadata& met
       threads_(threads),
       patches_(patches),
       progress_(std::move(progress)),
-      binned_(scene.bodies.size()) {}
+      binned_(to_be_counted(bodies)) {}
 
 Tiling& TiledFacets::tile(const TreeRange& range, bool count, bool again) {
   tiling_.reset();
@@ -57,7 +93,11 @@ void TiledFacets::take_from_memory(bool count) {
   for (BodyFacets& body : bodies_.bodies) body.closed.drop_facets();
 }
 
-std::vector<SurfaceCounts> TiledFacets::counts() { return bodies_.in_memory ? bodies_.wait_for_counts() : binned_.totals(); }
+std::vector<SurfaceCounts> TiledFacets::counts() {
+  std::vector<SurfaceCounts> out = bodies_.in_memory ? bodies_.wait_for_counts() : binned_.totals();
+  for (size_t b = 0; b < out.size(); ++b) out[b] = bodies_.bodies[b].counts.value_or(out[b]);
+  return out;
+}
 
 // They are read once more, from their files.
 std::unique_ptr<FacetBins> TiledFacets::fill_bins(const TreeRange& range, bool again) {
@@ -67,7 +107,10 @@ std::unique_ptr<FacetBins> TiledFacets::fill_bins(const TreeRange& range, bool a
   };
   const bool walls =
       std::ranges::any_of(bodies_.bodies, [](const BodyFacets& b) { return !b.closed.walls[0].empty() || !b.closed.walls[1].empty(); });
-  auto bins = std::make_unique<FacetBins>(meta_, bodies_.facet_count(), bodies_.float32() && !walls, budget_, threads_ > 1, move, widened_, range,
+  uint64_t repeated = 0;
+  for (const BodyFacets& body : bodies_.bodies) repeated += body.counts ? body.file.facets : 0;
+  const uint64_t all = bodies_.facet_count();
+  auto bins = std::make_unique<FacetBins>(meta_, all, all - repeated, bodies_.float32() && !walls, budget_, threads_ > 1, move, widened_, range,
                                           patches_ != nullptr);
   struct Stretch {  // of facets that are alike
     size_t facets;
@@ -95,8 +138,9 @@ std::unique_ptr<FacetBins> TiledFacets::fill_bins(const TreeRange& range, bool a
     batch.facets.insert(batch.facets.end(), facets.begin(), facets.end());
     batch.stretches.push_back({facets.size(), layer, origin, patch});
   };
-  const double all = static_cast<double>(bodies_.facet_count());
+  SharedTrees trees(budget_.bytes / 4);
   uint64_t done = 0;
+  const auto went_on = [&](uint64_t more) { progress_(static_cast<double>(done += more) / static_cast<double>(all)); };
   for (size_t b = 0; b < scene_.bodies.size(); ++b) {
     const BodyFacets& found = bodies_.bodies[b];
     const ClosedBody& closed = found.closed;
@@ -106,11 +150,21 @@ std::unique_ptr<FacetBins> TiledFacets::fill_bins(const TreeRange& range, bool a
       if (!closed.rules) add(facets, closed.layer(b), FacetBins::kOfFile, patch);
       else
         for (const Facet& f : facets) add({&f, 1}, closed.rules->layer(b, number++), FacetBins::kOfFile, patch);
-      done += facets.size();
-      progress_(static_cast<double>(done) / all);
+      went_on(facets.size());
     };
-    read_again(
-        scene_.bodies[b], found, budget_, take, [&](uint32_t of_file) { patch = patch_of(b, of_file); }, bodies_.kept.get());
+    const auto take_part = [&](const Part& part) {
+      if (closed.rules || !trees.holds(bodies_.kept->tree)) return false;
+      hand_on();
+      background.run([&bins, &part, &body = scene_.bodies[b], tree = std::shared_ptr<const PartTree>(bodies_.kept->tree), layer = closed.layer(b),
+                      patch] { bins->add(binned_part(tree, part, body, layer, patch)); });
+      went_on(bodies_.kept->tree->facets(part));
+      return true;
+    };
+    read_again(scene_.bodies[b], found, take,
+               {.budget = budget_,
+                .kept = bodies_.kept.get(),
+                .enter_patch = [&](uint32_t of_file) { patch = patch_of(b, of_file); },
+                .take_part = take_part});
     for (const bool parity : {false, true}) add(closed.added[parity], layer_of(b, parity), FacetBins::kAdded, patch_of(b, kCapPatch));
     for (const bool parity : {false, true}) add(closed.walls[parity], layer_of(b, parity), FacetBins::kPlaced, patch_of(b, kSidePatch));
   }

@@ -130,7 +130,7 @@ SceneText scene_text(const std::vector<std::filesystem::path>& files, const std:
   out.materials = materials.list().size();
   out.text = fmt::format(
       "{{\n  \"note\": \"Later bodies win where bodies overlap, unless they have a priority. Cells are cubes; \\\"cells\\\" counts those of the longest "
-      "axis.\",\n  \"units\": \"{}\",\n  \"grid\": {{{}, \"pad\": 1}},\n  \"background\": \"air\",\n  \"materials\": {{\n    \"air\": {{\"color\": \"{}\"}}{}\n  }},\n"
+      "axis.\",\n  \"units\": \"{}\",\n  \"grid\": {{{}, \"pad\": 1}},\n  \"background\": \"air\",\n  \"label_by\": \"body\",\n  \"materials\": {{\n    \"air\": {{\"color\": \"{}\"}}{}\n  }},\n"
       "  \"bodies\": [\n{}\n  ]\n}}\n",
       first_stated_unit(files), step ? fmt::format("\"step\": {}", Json(*step).dump()) : fmt::format("\"cells\": {}", cells.value_or(200)),
       kBackgroundColor, list, bodies);

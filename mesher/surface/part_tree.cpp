@@ -64,6 +64,7 @@ void PartTree::visit(const std::vector<PartNode::Use>& uses, const std::string& 
         throw InputError(fmt::format("{}: expected at most {} parts with {} bytes of names along their paths, found more, the first of them at {}",
                                      name_, kMostParts, kMostPathBytes, shown(path)));
       parts_.push_back({path, uses[i].node, placed});
+      facets_ += shapes_.facets(*node.shape);
     }
     visit(node.uses, path, placed, depth + 1);
   }

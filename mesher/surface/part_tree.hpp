@@ -1,6 +1,7 @@
 // An assembly: parts at their places in a tree, and the facets of each shape once, however many parts have that shape. What a format with a
 // tree (3MF, glTF) makes of a file. Vertices and triangles that don't fit into the budget lie on disk.
 #pragma once
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <unordered_map>
@@ -17,7 +18,8 @@ namespace teracell::mesher {
 // The facets of all shapes of a file, in its coordinates.
 class Shapes {
  public:
-  explicit Shapes(const Budget& budget) : vertices_(budget), triangles_(budget) {}
+  // Memory holds at most 128 MiB of vertices and as much of triangles; less where the budget has less.
+  explicit Shapes(const Budget& budget) : vertices_(at_most(budget)), triangles_(at_most(budget)) {}
 
   // Vertices that triangles of one or more shapes name by number: those that are added until the next call.
   uint32_t begin_vertices(bool float32);
@@ -34,14 +36,16 @@ class Shapes {
   // Calls f(a, b, c) with the vertices of each facet, in the order in which they were added.
   template <class F>
   void for_each(uint32_t shape, F&& f) {
-    for (const Stretch& s : shapes_[shape].stretches)
-      for (uint64_t i = 0; i < s.count; ++i) {
-        const std::array<uint32_t, 3> numbers = triangles_[s.first + i];
-        const uint64_t first = sets_[s.set].first;
-        const Vec3 a = vertices_[first + numbers[0]], b = vertices_[first + numbers[1]];
-        f(a, b, vertices_[first + numbers[2]]);
-      }
+    pass(*this, shape, f);
   }
+  // The same for several threads at once. REQUIRES: in_memory().
+  template <class F>
+  void for_each(uint32_t shape, F&& f) const {
+    pass(*this, shape, f);
+  }
+  uint64_t facets() const { return triangles_.size(); }  // of all shapes
+  bool in_memory() const { return vertices_.in_memory() && triangles_.in_memory(); }
+  uint64_t bytes_in_memory() const { return vertices_.bytes_in_memory() + triangles_.bytes_in_memory(); }
 
  private:
   struct Set {
@@ -57,6 +61,20 @@ class Shapes {
     uint64_t facets = 0;
     bool float32 = true;
   };
+  static Budget at_most(Budget budget) {
+    budget.bytes = std::min(budget.bytes, uint64_t{1} << 30);
+    return budget;
+  }
+  template <class Self, class F>
+  static void pass(Self& self, uint32_t shape, F&& f) {
+    for (const Stretch& s : self.shapes_[shape].stretches)
+      for (uint64_t i = 0; i < s.count; ++i) {
+        const std::array<uint32_t, 3> numbers = self.triangles_[s.first + i];
+        const uint64_t first = self.sets_[s.set].first;
+        const Vec3 a = self.vertices_[first + numbers[0]], b = self.vertices_[first + numbers[1]];
+        f(a, b, self.vertices_[first + numbers[2]]);
+      }
+  }
   VertexTable vertices_;
   TriangleTable triangles_;
   std::vector<Set> sets_;
@@ -94,26 +112,46 @@ class PartTree {
   // The parts that a body takes: their numbers in parts(), ascending.
   std::vector<uint32_t> matching(const PartGlob& glob);
   bool float32(const Part& part) const { return part.matrix == kIdentity && shapes_.float32(*node(part).shape); }
+  uint64_t facets(const Part& part) const { return shapes_.facets(*node(part).shape); }
+  // Most parts are copies of others, and there are so many of them that their facets are worth having once (a thousand bolts).
+  bool repeats() const { return facets_ > kFewFacets && facets_ / 4 > shapes_.facets(); }
+  bool in_memory() const { return shapes_.in_memory(); }
+  uint64_t bytes_in_memory() const { return shapes_.bytes_in_memory(); }
   // Calls f(facet) with each of its facets where it stands. Throws InputError when a vertex leaves the range of coordinates.
   template <class F>
   void read(const Part& part, F&& f) {
-    const bool moves = part.matrix != kIdentity, swaps = mirrors(part.matrix);
-    shapes_.for_each(*node(part).shape, [&](const Vec3& a, const Vec3& b, const Vec3& c) {
-      Facet facet{{a, swaps ? c : b, swaps ? b : c}};
-      if (moves)
-        for (Vec3& v : facet.vertex) v = placed(v, part);
-      f(facet);
-    });
+    pass(*this, shapes_, part, f);
+  }
+  // The same for several threads at once. REQUIRES: in_memory().
+  template <class F>
+  void read(const Part& part, F&& f) const {
+    pass(*this, shapes_, part, f);
+  }
+  // Its facets as the file has them, in the shape's coordinates.
+  template <class F>
+  void read_unplaced(const Part& part, F&& f) {
+    shapes_.for_each(*node(part).shape, [&](const Vec3& a, const Vec3& b, const Vec3& c) { f(Facet{{a, b, c}}); });
   }
 
  private:
+  static constexpr uint64_t kFewFacets = uint64_t{1} << 17;  // take some 20 MB
+  template <class S, class F>
+  static void pass(const PartTree& tree, S& shapes, const Part& part, F&& f) {
+    const bool moves = part.matrix != kIdentity, swaps = mirrors(part.matrix);
+    shapes.for_each(*tree.node(part).shape, [&](const Vec3& a, const Vec3& b, const Vec3& c) {
+      Facet facet{{a, swaps ? c : b, swaps ? b : c}};
+      if (moves)
+        for (Vec3& v : facet.vertex) v = tree.placed(v, part);
+      f(facet);
+    });
+  }
   Vec3 placed(const Vec3& v, const Part& part) const;
   void visit(const std::vector<PartNode::Use>& uses, const std::string& above, const Matrix& matrix, size_t depth);
   std::string name_;
   Shapes shapes_;
   std::vector<PartNode> nodes_;
   std::vector<Part> parts_;
-  uint64_t path_bytes_ = 0, visited_ = 0;
+  uint64_t path_bytes_ = 0, visited_ = 0, facets_ = 0;  // facets_ of all parts
   std::unordered_map<std::string_view, uint32_t> by_path_;  // made when it is needed
 };
 

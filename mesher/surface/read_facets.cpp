@@ -83,7 +83,7 @@ SurfaceFile read_parts(KeptTree& kept, const std::string& part, const FacetSink&
   SurfaceFile file = kept.file;
   const PartGlob glob(part);
   FacetStream out(glob, sink, options.enter_patch);
-  out.add_parts(*kept.tree, file);
+  out.add_parts(*kept.tree, file, options.take_part);
   out.finish(kept.tree->name(), file);
   return file;
 }
@@ -92,7 +92,7 @@ SurfaceFile read_parts(KeptTree& kept, const std::string& part, const FacetSink&
 
 void KeptTree::open(Input& input, const SurfaceReader& reader, const ReadOptions& options) {
   *this = {};
-  tree = std::make_unique<PartTree>(reader.open(input, file, options));
+  tree = std::make_shared<PartTree>(reader.open(input, file, options));
   describe(input, options.units, file);
   name = input.name(), units = options.units;
 }

@@ -24,7 +24,7 @@ struct KeptTree {
   bool open(Input& input, const ReadOptions& options);
   void open(Input& input, const SurfaceReader& reader, const ReadOptions& options);
   std::string name, units;
-  std::unique_ptr<PartTree> tree;
+  std::shared_ptr<PartTree> tree;
   SurfaceFile file;  // without what depends on the parts that are taken
 };
 

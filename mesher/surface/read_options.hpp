@@ -17,6 +17,7 @@ namespace teracell::mesher {
 inline Budget modest_budget() { return {.bytes = uint64_t{1} << 30, .folder = std::filesystem::temp_directory_path()}; }
 
 struct KeptTree;
+struct Part;
 
 struct ReadOptions {
   Budget budget;                 // vertices that must be kept stay within it; others are kept on disk
@@ -27,6 +28,9 @@ struct ReadOptions {
   std::function<void(uint64_t)> expect = [](uint64_t) {};
   // Called when the facets that follow belong to another patch, with its number in SurfaceFile::patches; before the first facet, too.
   std::function<void(uint32_t)> enter_patch = [](uint32_t) {};
+  // Called for each part of a tree that is wanted, after enter_patch. Where it returns true the sink gets none of its facets: whoever asks
+  // takes them from `kept` when they are needed.
+  std::function<bool(const Part&)> take_part = nullptr;
 };
 
 }  // namespace teracell::mesher

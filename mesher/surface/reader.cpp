@@ -63,7 +63,7 @@ bool FacetStream::wants(std::string_view part) {
   return wanted;
 }
 
-void FacetStream::add_parts(PartTree& tree, SurfaceFile& file) {
+void FacetStream::add_parts(PartTree& tree, SurfaceFile& file, const std::function<bool(const Part&)>& take) {
   if (tree.parts().empty()) throw InputError(fmt::format("{}: holds no facet", tree.name()));
   matched_ = glob_.takes_all();
   for (const Part& part : tree.parts()) note(part.path);
@@ -72,6 +72,13 @@ void FacetStream::add_parts(PartTree& tree, SurfaceFile& file) {
     matched_ = true;
     file.float32 &= file.factor.is_one() && tree.float32(part);
     change_patch(part.path);
+    if (take) {
+      begin_patch();
+      if (take(part)) {
+        facets_ += tree.facets(part);
+        continue;
+      }
+    }
     tree.read(part, [this](const Facet& facet) { next() = facet; });
   }
 }

@@ -29,8 +29,8 @@ class FacetStream {
 
   // Records that the file, which has no tree, has this part ("": the unnamed one). Returns whether its facets are wanted.
   bool wants(std::string_view part);
-  // The facets of the parts of a tree that are wanted, each part a patch. Sets file.float32.
-  void add_parts(PartTree& tree, SurfaceFile& file);
+  // The facets of the parts of a tree that are wanted, each part a patch. Sets file.float32. `take` as in ReadOptions.
+  void add_parts(PartTree& tree, SurfaceFile& file, const std::function<bool(const Part&)>& take);
   // The facets that follow belong to this patch ("": to the one of the body). Names are told apart by their first bytes.
   void enter_patch(std::string_view name);
   // A new facet, which the caller fills in before the next call.

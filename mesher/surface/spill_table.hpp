@@ -6,7 +6,7 @@
 // when another one needs its place, and is read back when it is needed. Facets mostly refer to vertices near those of the
 // facet before, so this is rare. Pieces are small to make the worst case, vertices at random, bearable: 1 to 2 µs per vertex.
 //
-// The table grows piece by piece with its elements, not with the count in a header. Not to be shared by threads.
+// The table grows piece by piece with its elements, not with the count in a header. Threads may share one that is in memory, to read from it.
 #pragma once
 #include <array>
 #include <memory>
@@ -35,6 +35,10 @@ class SpillTable {
   }
   // Valid until the next call. REQUIRES: i < size().
   const T& operator[](uint64_t i) { return piece_of(i).elements[i % kPiece]; }
+  // The same for several threads at once. REQUIRES: in_memory().
+  const T& operator[](uint64_t i) const { return places_[i / kPiece]->elements[i % kPiece]; }
+  bool in_memory() const { return size_ <= (last_place_ + 1) * kPiece; }
+  uint64_t bytes_in_memory() const { return places_.size() * sizeof(Piece); }
 
  private:
   static constexpr uint64_t kPiece = 256;

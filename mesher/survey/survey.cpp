@@ -7,16 +7,15 @@
 #include <fmt/format.h>
 
 #include "mesher/closing/boundary.hpp"
+#include "mesher/closing/lengths.hpp"
 #include "mesher/surface/input.hpp"
 #include "mesher/surface/part_path.hpp"
 #include "mesher/surface/read_facets.hpp"
+#include "store/base/error.hpp"
+#include "store/base/spill.hpp"
 
 namespace teracell::mesher {
 namespace {
-
-void extend(Vec3& lo, Vec3& hi, const Vec3& v) {
-  for (size_t d = 0; d < 3; ++d) lo[d] = std::min(lo[d], v[d]), hi[d] = std::max(hi[d], v[d]);
-}
 
 // Takes the facets of a part one by one.
 class Measure {
@@ -94,6 +93,47 @@ void survey_tree(PartTree& tree, const Budget& budget, FileSurvey& out) {
   }
 }
 
+// The file is read once more, however many parts are open: their facets are put beside each other, part by part.
+void count_open_edges_of_flat(const std::filesystem::path& path, const Budget& budget, std::vector<PartKind>& kinds) {
+  struct Stretch {  // of a part's facets, in bytes
+    uint64_t first, next, end;
+  };
+  std::vector<Stretch> stretches;
+  uint64_t bytes = 0;
+  for (const PartKind& kind : kinds) {
+    const uint64_t first = bytes;
+    if (!kind.closed) bytes += kind.facets * sizeof(Facet);
+    stretches.push_back({first, first, bytes});
+  }
+  if (bytes == 0) return;
+  const auto fail = [&] { throw InputError(fmt::format("{}: the file changed while it was read", path.string())); };
+  SpillFile file(budget.folder, bytes, bytes <= budget.bytes / 4);
+  size_t here = 0;
+  const auto put = [&](std::span<const Facet> facets) {
+    if (here >= kinds.size()) fail();
+    Stretch& s = stretches[here];
+    if (kinds[here].closed) return;
+    if (facets.size_bytes() > s.end - s.next) fail();
+    file.write(s.next, {reinterpret_cast<const uint8_t*>(facets.data()), facets.size_bytes()});
+    s.next += facets.size_bytes();
+  };
+  read_facets(path, "", put, {.budget = budget, .enter_patch = [&](uint32_t patch) { here = patch; }});
+  std::vector<Facet> block;
+  for (size_t i = 0; i < kinds.size(); ++i) {
+    const Stretch& s = stretches[i];
+    if (s.next != s.end) fail();
+    if (kinds[i].closed) continue;
+    const auto pass = [&](const std::function<void(const Facet&)>& f) {
+      for (uint64_t at = s.first; at < s.end; at += block.size() * sizeof(Facet)) {
+        block.resize(std::min<uint64_t>(4096, (s.end - at) / sizeof(Facet)));
+        file.read(at, {reinterpret_cast<uint8_t*>(block.data()), block.size() * sizeof(Facet)});
+        std::ranges::for_each(block, f);
+      }
+    };
+    kinds[i].open_edges = count_open_edges(pass, budget, path.string());
+  }
+}
+
 // Files without a tree: their groups, objects or solids are their parts.
 void survey_flat(Input& input, const std::filesystem::path& path, const Budget& budget, FileSurvey& out) {
   std::vector<Measure> parts;
@@ -114,18 +154,8 @@ void survey_flat(Input& input, const std::filesystem::path& path, const Budget& 
     kind.product = name;
     parts[i].put_into(kind);
     extend(out.lo, out.hi, kind.lo), extend(out.lo, out.hi, kind.hi);
-    if (kind.closed || !out.file.regular) continue;
-    kind.open_edges = count_open_edges(
-        [&](const std::function<void(const Facet&)>& f) {
-          size_t here = 0;
-          read_facets(path, "",
-                      [&](std::span<const Facet> facets) {
-                        if (here == i) std::ranges::for_each(facets, f);
-                      },
-                      {.budget = budget, .enter_patch = [&](uint32_t patch) { here = patch; }});
-        },
-        budget, path.string());
   }
+  if (out.file.regular) count_open_edges_of_flat(path, budget, out.kinds);
 }
 
 }  // namespace
@@ -138,6 +168,7 @@ FileSurvey survey(const std::filesystem::path& path, const Budget& budget) {
   out.tree = kept.open(input, {.budget = budget});
   if (!out.tree) survey_flat(input, path, budget, out);
   else {
+    if (kept.tree->parts().empty()) throw InputError(fmt::format("{}: holds no facet", path.string()));
     out.file = std::move(kept.file);
     survey_tree(*kept.tree, budget, out);
   }

@@ -5,12 +5,13 @@
 namespace teracell::mesher {
 
 BinnedCounter::Bin::Bin(BinnedCounter& all, uint64_t facets) : all_(all) {
-  if (all.bodies_.size() == 1) counters_[0].expect(facets);
+  if (all.bodies_.size() == 1 && all.wanted_[0]) counters_[0].expect(facets);
 }
 
 void BinnedCounter::Bin::add(const BinnedFacet& f) {
   if (f.added) return;  // not in the file
   const uint32_t body = body_of_layer(f.layer);
+  if (!all_.wanted_[body]) return;
   counters_[body].add(f.facet, f.at_home);
   if (f.shared) shared_.emplace_back(body, f.facet.vertex[0]);
 }

@@ -14,7 +14,8 @@ namespace teracell::mesher {
 // Bin objects.
 class BinnedCounter {
  public:
-  explicit BinnedCounter(size_t bodies) : bodies_(bodies) {}
+  // Counts the bodies of which wanted[body] is true.
+  explicit BinnedCounter(std::vector<bool> wanted) : wanted_(std::move(wanted)), bodies_(wanted_.size()) {}
 
   // One bin, of about `facets` facets. Not thread-safe.
   class Bin {
@@ -38,6 +39,7 @@ class BinnedCounter {
     std::unordered_map<uint64_t, uint32_t> nodes;  // of shared facets, by a hash of the first vertex
     Groups shells;                                 // of nodes
   };
+  const std::vector<bool> wanted_;
   std::mutex mutex_;
   std::vector<Body> bodies_;
 };

@@ -25,7 +25,7 @@ uint64_t expected_bytes(uint64_t facets, size_t record_bytes) {
 
 }  // namespace
 
-FacetBins::FacetBins(const Metadata& meta, uint64_t facets, bool float32, const Budget& budget, bool own_writer, Move move,
+FacetBins::FacetBins(const Metadata& meta, uint64_t facets, uint64_t whole, bool float32, const Budget& budget, bool own_writer, Move move,
                      std::vector<uint8_t> widened, const TreeRange& range, bool patches)
     : rays_(meta, std::move(widened)),
       range_(range),
@@ -34,7 +34,7 @@ FacetBins::FacetBins(const Metadata& meta, uint64_t facets, bool float32, const 
       record_bytes_(9 * (float32 ? sizeof(float) : sizeof(double)) + (patches ? 2 : 1) * sizeof(uint32_t)),
       most_facets_(std::max<uint64_t>(std::min(budget.bytes, kMostUseful) / 16 / kLoadedBytes, 1024)),
       move_(std::move(move)),
-      file_(budget.folder, expected_bytes(facets, record_bytes_), expected_bytes(facets, record_bytes_) <= budget.bytes / 2),
+      file_(budget.folder, expected_bytes(whole, record_bytes_), expected_bytes(whole, record_bytes_) <= budget.bytes / 2),
       root_{rays_.root(), true, 0, {}, {}, {}},
       writer_(own_writer) {
   // Starts with as many bins as are likely to be needed, if their buffers fit: a bin that must be split later is written twice.
@@ -79,10 +79,29 @@ void FacetBins::add(const Facet& facet, uint32_t layer, Origin origin, uint32_t 
   put(root_, groups_of(rays_.range_of(placed(facet, tag), layer_in(tag))), {record.data(), record_bytes_});
 }
 
+void FacetBins::add(BinnedPart part) {
+  const uint32_t tag = part.layer | kInPlace, number = static_cast<uint32_t>(parts_.size());
+  parts_.push_back(std::move(part));
+  std::array<uint8_t, 9 * sizeof(double) + 2 * sizeof(uint32_t)> buffer{};
+  const std::span<uint8_t> record(buffer.data(), record_bytes_);
+  encode({}, tag, 0, record);
+  std::memcpy(record.data(), &number, sizeof number);
+  put(root_, groups_of(record), record);
+}
+
+FacetBins::GroupRange FacetBins::groups_of(std::span<const uint8_t> record) const {
+  uint32_t tag;
+  const Facet facet = decode(record, tag);
+  if (!is_part(tag)) return groups_of(rays_.range_of(placed(facet, tag), layer_in(tag)));
+  const BinnedPart& part = part_in(record);
+  return groups_of(rays_.range_of({{part.lo, part.hi, part.hi}}, layer_in(tag)));
+}
+
 void FacetBins::put(Bin& bin, const GroupRange& groups, std::span<const uint8_t> record) {
+  constexpr uint32_t kMostCopies = 4;  // of a part's record among the children of a bin: more of them would read the part too often
   if (!bin.wanted) return;
   if (bin.children.empty()) {
-    ++bin.facets;
+    bin.facets += is_part(tag_in(record)) ? part_in(record).facets : 1;
     if (bin.buffer.empty()) bin.buffer.reserve(buffer_bytes_ + kPage);
     bin.buffer.insert(bin.buffer.end(), record.begin(), record.end());
     if (bin.buffer.size() >= buffer_bytes_) flush(bin);
@@ -92,6 +111,15 @@ void FacetBins::put(Bin& bin, const GroupRange& groups, std::span<const uint8_t>
   const uint32_t u = bin.place.cu * kFanOut, v = bin.place.cv * kFanOut;
   const uint32_t first_u = std::max(groups.first_u >> shift, u), last_u = std::min(groups.last_u >> shift, u + kFanOut - 1);
   const uint32_t first_v = std::max(groups.first_v >> shift, v), last_v = std::min(groups.last_v >> shift, v + kFanOut - 1);
+  if ((last_u - first_u + 1) * (last_v - first_v + 1) > kMostCopies && is_part(tag_in(record))) {
+    const BinnedPart& part = part_in(record);
+    std::array<uint8_t, 9 * sizeof(double) + 2 * sizeof(uint32_t)> buffer;
+    const std::span<uint8_t> facet(buffer.data(), record_bytes_);
+    return part.read([&](const Facet& f) {
+      encode(f, part.layer, part.patch, facet);
+      put(bin, groups_of(facet), facet);
+    });
+  }
   for (uint32_t cv = first_v; cv <= last_v; ++cv)
     for (uint32_t cu = first_u; cu <= last_u; ++cu) put(bin.children[(cv - v) * kFanOut + cu - u], groups, record);
 }
@@ -119,11 +147,7 @@ void FacetBins::split_large(Bin& bin) {
     bin = {whole.place, true, 0, {}, {}, {}};
     open_children(bin);
     writer_.finish();
-    take_records(whole, [&](std::span<const uint8_t> record) {
-      uint32_t tag;
-      const Facet facet = decode(record, tag);
-      put(bin, groups_of(rays_.range_of(placed(facet, tag), layer_in(tag))), record);
-    });
+    take_records(whole, [&](std::span<const uint8_t> record) { put(bin, groups_of(record), record); });
   }
   for (Bin& child : bin.children) split_large(child);
 }
@@ -141,19 +165,9 @@ void FacetBins::take(const TreePlace& place, const std::function<void(const Binn
   Bin& bin = const_cast<Bin&>(bin_at(place));
   const int shift = kFanOutBits * place.depth;
   const auto inside = [&](uint32_t u, uint32_t v) { return u >> shift == place.cu && v >> shift == place.cv; };
-  take_records(bin, [&](std::span<const uint8_t> record) {
-    BinnedFacet out;
-    uint32_t tag;
-    out.facet = decode(record, tag);
-    out.layer = layer_in(tag);
-    out.ignored = (tag & kIgnored) != 0;
-    out.added = (tag & kNotOfFile) != 0;
-    out.patch = patch_in(record);
-    const Facet moved = placed(out.facet, tag);
-    const RayRange range = rays_.range_of(moved, out.layer);
-    const GroupRange groups = groups_of(range);
+  const auto take_facet = [&](const Facet& facet, uint32_t tag, uint32_t patch, const Facet& moved, const RayRange& range, const GroupRange& groups) {
+    BinnedFacet out{facet, layer_in(tag), true, false, (tag & kNotOfFile) != 0, (tag & kIgnored) != 0, patch};
     out.shared = !inside(groups.first_u, groups.first_v) || !inside(groups.last_u, groups.last_v);
-    out.at_home = true;
     if (out.shared) {
       // A facet is at home in the bin of its least vertex, so facets with the same vertices have the same home.
       const Vec3& p = moved.vertex[std::ranges::min_element(out.facet.vertex) - out.facet.vertex.begin()];
@@ -161,6 +175,24 @@ void FacetBins::take(const TreePlace& place, const std::function<void(const Binn
       out.at_home = inside(home.first_u, home.first_v);
     }
     f(out, moved, out.ignored ? RayRange{} : range);
+  };
+  take_records(bin, [&](std::span<const uint8_t> record) {
+    uint32_t tag;
+    const Facet facet = decode(record, tag);
+    if (!is_part(tag)) {
+      const Facet moved = placed(facet, tag);
+      const RayRange range = rays_.range_of(moved, layer_in(tag));
+      return take_facet(facet, tag, patch_in(record), moved, range, groups_of(range));
+    }
+    const BinnedPart& part = part_in(record);
+    part.read([&](const Facet& of_part) {
+      const Facet moved = placed(of_part, part.layer);
+      const RayRange range = rays_.range_of(moved, layer_in(part.layer));
+      const GroupRange groups = groups_of(range);
+      const bool here = groups.first_u >> shift <= place.cu && groups.last_u >> shift >= place.cu && groups.first_v >> shift <= place.cv &&
+                        groups.last_v >> shift >= place.cv;
+      if (here) take_facet(of_part, part.layer, part.patch, moved, range, groups);
+    });
   });
 }
 
@@ -192,6 +224,18 @@ void FacetBins::encode(const Facet& facet, uint32_t tag, uint32_t patch, std::sp
     }
   std::memcpy(to, &tag, sizeof tag);
   if (patches_) std::memcpy(to + sizeof tag, &patch, sizeof patch);
+}
+
+uint32_t FacetBins::tag_in(std::span<const uint8_t> record) const {
+  uint32_t tag;
+  std::memcpy(&tag, record.last((patches_ ? 2 : 1) * sizeof tag).data(), sizeof tag);
+  return tag;
+}
+
+const BinnedPart& FacetBins::part_in(std::span<const uint8_t> record) const {
+  uint32_t number;
+  std::memcpy(&number, record.data(), sizeof number);
+  return parts_[number];
 }
 
 uint32_t FacetBins::patch_in(std::span<const uint8_t> record) const {

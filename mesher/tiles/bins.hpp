@@ -1,6 +1,8 @@
 // Facets that don't fit into memory lie on disk in bins. A bin is a node of the tree of rays with so few facets that it can be
 // loaded. A facet lies in every bin that has a ray that it may meet, and in the bins of its vertices. So facets that share a
 // vertex share a bin, and two bins are connected by the facets that lie in both.
+//
+// A part of which there are many copies lies in bins as one record, and its facets are read from their shape when a bin is loaded.
 #pragma once
 #include <functional>
 #include <vector>
@@ -22,20 +24,29 @@ struct BinnedFacet {
   uint32_t patch;  // as in SceneFacet; 0 if they are not kept
 };
 
+// A part that stands for its facets.
+struct BinnedPart {
+  uint64_t facets;
+  Vec3 lo, hi;  // the box of its facets, as the grid sees them
+  uint32_t layer, patch;
+  std::function<void(const std::function<void(const Facet&)>&)> read;  // calls with each facet, in its file's coordinates; for any thread
+};
+
 // Not thread-safe while it is filled; then threads may take different bins at once.
 class FacetBins {
  public:
   using Move = std::function<Facet(const Facet&, uint32_t layer)>;
-  // For about `facets` facets, in single precision if `float32`. `move` transforms a facet to where the grid sees it. A loaded
-  // bin takes about a sixteenth of the budget, and so do all buffers together while bins are filled. With `own_writer` another
-  // thread writes to the disk. If all fits into half of the budget, it stays in memory. `widened` bodies as in rays.hpp. Facets that lie
-  // outside `range` alone are dropped. `patches`: facets keep theirs.
-  FacetBins(const Metadata& meta, uint64_t facets, bool float32, const Budget& budget, bool own_writer, Move move, std::vector<uint8_t> widened,
-            const TreeRange& range = {}, bool patches = false);
+  // For about `facets` facets, `whole` of them not in parts, in single precision if `float32`. `move` transforms a facet to where the grid sees it. A
+  // loaded bin takes about a sixteenth of the budget, and so do all buffers together while bins are filled. With `own_writer` another thread writes
+  // to the disk. If all fits into half of the budget, it stays in memory. `widened` bodies as in rays.hpp. Facets that lie outside `range` alone are
+  // dropped. `patches`: facets keep theirs.
+  FacetBins(const Metadata& meta, uint64_t facets, uint64_t whole, bool float32, const Budget& budget, bool own_writer, Move move,
+            std::vector<uint8_t> widened, const TreeRange& range = {}, bool patches = false);
 
   // Where a facet comes from: the body's file, closing (in the file's coordinates), or closing (as the grid sees it).
   enum Origin { kOfFile, kAdded, kPlaced };
   void add(const Facet& facet, uint32_t layer, Origin origin, uint32_t patch = 0);
+  void add(BinnedPart part);
   // To be called after the last facet. Splits bins that are too large, as far as the tree goes.
   void finish();
 
@@ -68,17 +79,22 @@ class FacetBins {
     uint32_t first_u, last_u, first_v, last_v;
   };
   GroupRange groups_of(const RayRange& rays) const;
+  GroupRange groups_of(std::span<const uint8_t> record) const;
   void put(Bin& bin, const GroupRange& groups, std::span<const uint8_t> record);
   void flush(Bin& bin);
   void split_large(Bin& bin);
   template <class F>
   void take_records(Bin& bin, F&& f);
-  // A record is nine coordinates, a tag (the layer, with two bits for the origin), and the patch if patches are kept.
+  // A record is nine coordinates, a tag (the layer, with two bits for the origin), and the patch if patches are kept. The record of a part
+  // begins with its number, and its tag has the bits that no facet has.
   static constexpr uint32_t kNotOfFile = uint32_t{1} << 31, kInPlace = uint32_t{1} << 29;
+  static bool is_part(uint32_t tag) { return (tag & (kNotOfFile | kInPlace)) == kInPlace; }
   static uint32_t layer_in(uint32_t tag) { return tag & ~(kNotOfFile | kIgnored | kInPlace); }
   Facet placed(const Facet& facet, uint32_t tag) const { return tag & kInPlace ? facet : move_(facet, layer_in(tag)); }
   void encode(const Facet& facet, uint32_t tag, uint32_t patch, std::span<uint8_t> record) const;
   Facet decode(std::span<const uint8_t> record, uint32_t& tag) const;
+  uint32_t tag_in(std::span<const uint8_t> record) const;
+  const BinnedPart& part_in(std::span<const uint8_t> record) const;
   uint32_t patch_in(std::span<const uint8_t> record) const;
 
   GridRays rays_;
@@ -90,6 +106,7 @@ class FacetBins {
   const Move move_;
   SpillFile file_;
   uint64_t end_ = 0;  // of the file, including what is not written yet
+  std::vector<BinnedPart> parts_;
   Bin root_;
   Background writer_;  // the last member, since its thread uses the file
 };

@@ -29,9 +29,11 @@ std::string take_name(std::string_view& list, std::string_view option) {
 
 // The front of the list up to the comma that ends its first name; one within double quotes does not.
 std::string_view first_word(std::string_view list) {
+  const size_t begin = list.find_first_not_of(' ');
+  const bool quotes = begin != list.npos && list[begin] == '"';
   bool quoted = false;
   for (size_t i = 0; i < list.size(); ++i) {
-    if (list[i] == '"' && list.front() == '"') quoted = !quoted;
+    if (list[i] == '"' && quotes) quoted = !quoted;
     if (list[i] == ',' && !quoted) return list.substr(0, i);
   }
   return list;

@@ -42,6 +42,19 @@ def parts_of(nodes, above="", matrix=IDENTITY):
         yield from parts_of(n.get("children", []), path, m)
 
 
+def ball(around, along):
+    """The facets of a closed surface of genus 0 and radius 1."""
+    ring = [[(math.sin(math.pi * j / along) * math.cos(2 * math.pi * i / around), math.sin(math.pi * j / along) * math.sin(2 * math.pi * i / around),
+              math.cos(math.pi * j / along)) for i in range(around)] for j in range(1, along)]
+    top, bottom, out = (0.0, 0.0, 1.0), (0.0, 0.0, -1.0), []
+    for i in range(around):
+        k = (i + 1) % around
+        out += [[top, ring[0][i], ring[0][k]], [bottom, ring[-1][k], ring[-1][i]]]
+        for a, b in zip(ring, ring[1:]):
+            out += [[a[i], b[i], b[k]], [a[i], b[k], a[k]]]
+    return out
+
+
 def indexed(facets):
     numbers, triangles = {}, []
     for f in facets:

@@ -1,6 +1,7 @@
 """Assemblies: the same cells as their parts placed by a scene, whatever the format; what `info` says of them."""
 import json
 import os
+import zipfile
 
 import assemblies
 import solids
@@ -87,6 +88,24 @@ class Assemblies(Case):
         self.run_ok("merge", "s.tcell.shard-0-of-2", "s.tcell.shard-1-of-2", "-o", "s.tcell")
         self.assertEqual(self.bytes("s.tcell"), self.bytes("whole.tcell"))
 
+    def test_copies_that_share_their_facets_have_the_bytes_of_facets_one_by_one(self):
+        ball = assemblies.ball(28, 28)
+        roots = [{"name": f"ball {i}", "shape": 0, "trs": ((2.5 * (i % 10), 2.5 * (i // 10), 0.3 * (i % 3)), (0.1 * i, 1, 0.2, 1), (1, -1 if i % 7 == 0 else 1, 1))}
+                 for i in range(98)]
+        roots += [dict(roots[5], name="the same"), {"name": "within", "shape": 0, "trs": ((2.5, 0.25, 0), (0, 0, 0, 1), (3, 0.5, 0.5))}]
+        for name, shape in {"closed": ball, "open": ball[:-1]}.items():
+            self.assertGreater(len(roots) * len(shape), 1 << 17)
+            self.write(f"{name}.glb", assemblies.glb(roots, [shape]))
+            for cells in (70, 600):
+                mesh = ("mesh", f"{name}.glb", "--cells", cells, "--links", "-o")
+                self.run_ok(*mesh, "shared.tcell")
+                self.run_ok(*mesh, "single.tcell", "--engine", "tree")
+                self.run_ok(*mesh, "small.tcell", "--memory", "16MB", "--threads", 1)
+                for other in ("single", "small"):
+                    self.assertEqual(self.bytes("shared.tcell"), self.bytes(f"{other}.tcell"), (name, cells, other))
+            surface = self.json_of("info", "shared.tcell")["report"]["bodies"][0]
+            self.assertEqual((surface["shells"], surface["duplicates"]), (99, len(shape)))
+
     def test_info_shows_the_tree(self):
         out = self.run_ok("info", "m.glb").out
         for line in ("m.glb: GLB, in m, 7 parts of 4 kinds, ", "├─ болт ", "   └─ a/b [1]* ", "plate "):
@@ -121,3 +140,23 @@ class Assemblies(Case):
         self.write("the buffer.bin", b"short")
         r = teracell("mesh", "m.gltf", "--cells", 40, "-o", "a.tcell", cwd=self.folder)
         self.assertEqual((r.status, "buffers[0]: cut short" in r.err), (1, True), r.err)
+        os.remove(self.path("the buffer.bin"))
+        os.mkfifo(self.path("the buffer.bin"))
+        r = teracell("info", "m.gltf", cwd=self.folder)
+        self.assertEqual((r.status, "buffers[0]: expected a file, found something else" in r.err), (1, True), r.err)
+
+    def test_a_package_that_is_made_to_fill_memory_or_disk_is_refused(self):
+        with zipfile.ZipFile(self.path("m.3mf")) as whole, zipfile.ZipFile(self.path("bomb.3mf"), "w", zipfile.ZIP_DEFLATED) as bomb:
+            for name in whole.namelist():
+                bomb.writestr(name, whole.read(name) + (b" " * (70 << 20) if name.endswith(".model") else b""))
+        r = teracell("info", "bomb.3mf", cwd=self.folder)
+        self.assertEqual((r.status, "unpack to more than 64 times as many" in r.err), (1, True), r.err)
+        with open(self.path("m.3mf"), "rb") as file:
+            told_elsewhere = bytearray(file.read())
+        entry = told_elsewhere.index(b"PK\x01\x02")
+        while b".model" not in told_elsewhere[entry + 46:entry + 46 + 30]:
+            entry = told_elsewhere.index(b"PK\x01\x02", entry + 4)
+        told_elsewhere[entry + 20:entry + 28] = b"\xff" * 8
+        self.write("large.3mf", bytes(told_elsewhere))
+        r = teracell("mesh", "large.3mf", "--cells", 10, "-o", "a.tcell", cwd=self.folder)
+        self.assertEqual((r.status, "expected a model of less than 4 GB" in r.err), (1, True), r.err)

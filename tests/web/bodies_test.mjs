@@ -110,6 +110,25 @@ test("a click picks a body: its name, its cells and what can be done with it are
   await close(page);
 });
 
+test("bodies named by their paths are a tree, of which a branch is hidden, shown alone and coloured at once", async () => {
+  const page = await open_grid(browser, `${apart.url}#g=assembly&panel=bodies`);
+  await page.getByText("wheel#2").waitFor();
+  const titles = await page.locator(".materials .material-title bdi").allTextContents();
+  assert.deepEqual(titles, ["air", "car", "front", "wheel", "wheel#2", "рама", "road"]);
+  const looks = () => page.evaluate(() => teracell.viewer.label_looks.value.map(({ visible, color }) => (visible ? color.join() : "hidden")));
+  const [air, steel, ...others] = await looks();
+  await page.getByRole("button", { name: "Show /car/front", exact: true }).click();
+  assert.deepEqual(await looks(), [air, "hidden", "hidden", ...others.slice(1)]);
+  await page.getByRole("button", { name: "Only /car", exact: true }).click();
+  assert.deepEqual(await looks(), ["hidden", steel, steel, steel, "hidden"]);
+  await page.getByLabel("Colour of /car/front", { exact: true }).fill("#ff0010");
+  assert.deepEqual(await looks(), ["hidden", "255,0,16", "255,0,16", steel, "hidden"]);
+  await screenshot(page, "bodies-tree");
+  await page.getByRole("button", { name: "car", exact: false, expanded: true }).first().click();
+  assert.equal(await page.getByText("wheel#2").count(), 0);
+  await close(page);
+});
+
 test("a grid that keeps materials alone has no such list, and says how it would have one", async () => {
   const page = await open_grid(browser, `${server.url}#g=stadium&panel=bodies`);
   assert.equal(await page.getByRole("tab", { name: "Bodies" }).count(), 0);

@@ -37,7 +37,7 @@ std::vector<Counted> by_bins(const std::vector<std::vector<Facet>>& bodies, cons
         content[bin].push_back(binned);
       });
   std::ranges::shuffle(content, random);
-  BinnedCounter survey(bodies.size());
+  BinnedCounter survey(std::vector<bool>(bodies.size(), true));
   for (const auto& facets : content) {
     BinnedCounter::Bin bin(survey, facets.size());
     for (const BinnedFacet& f : facets) bin.add(f);
@@ -78,7 +78,7 @@ TEST_CASE("A shell through all bins is one, in whatever order its parts are foun
 }
 
 TEST_CASE("Facets that close a hole are no facets of the file's") {
-  BinnedCounter survey(1);
+  BinnedCounter survey({true});
   BinnedCounter::Bin bin(survey, 2);
   const Facet f{{Vec3{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}};
   bin.add({f, 0, true, false, false, false});
@@ -88,7 +88,7 @@ TEST_CASE("Facets that close a hole are no facets of the file's") {
 }
 
 TEST_CASE("A facet that counts for nothing among the crossings is counted all the same") {
-  BinnedCounter survey(1);
+  BinnedCounter survey({true});
   BinnedCounter::Bin bin(survey, 2);
   const Facet f{{Vec3{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}};
   bin.add({f, 1, true, false, false, false});
@@ -103,10 +103,10 @@ TEST_CASE("Counts by the bins of a grid, of which many facets see no ray, are th
   const Axis axis = Axis::uniform(3, 0.25, 0, 150, 0.5);  // over a part of the surface
   const Metadata meta = tile_grid(2, axis, axis, axis, 2);
   const std::vector<Facet> facets = tangle(random, 1500, 60);
-  FacetBins bins(meta, 0, false, {1, folder.path()}, false, [](const Facet& f, uint32_t) { return f; }, {});
+  FacetBins bins(meta, 0, 0, false, {1, folder.path()}, false, [](const Facet& f, uint32_t) { return f; }, {});
   for (const Facet& f : facets) bins.add(f, 0, FacetBins::kOfFile);
   bins.finish();
-  BinnedCounter survey(1);
+  BinnedCounter survey({true});
   std::vector<TreePlace> places = {GridRays(meta).root()};
   int leaves = 0;
   while (!places.empty()) {

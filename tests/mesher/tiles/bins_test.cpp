@@ -3,6 +3,8 @@
 
 #include <unistd.h>
 
+#include <map>
+
 #include "store/base/error.hpp"
 #include "tests/mesher/tiles/tile_grids.hpp"
 #include "tests/support/meshed.hpp"
@@ -40,7 +42,7 @@ struct Filling {
 };
 
 std::unique_ptr<FacetBins> filled(const Metadata& meta, const std::vector<Added>& facets, const TempFolder& folder, const Filling& how = {}) {
-  auto out = std::make_unique<FacetBins>(meta, how.expected, how.float32, Budget{how.budget, folder.path()}, how.own_writer, how.move,
+  auto out = std::make_unique<FacetBins>(meta, how.expected, how.expected, how.float32, Budget{how.budget, folder.path()}, how.own_writer, how.move,
                                          std::vector<uint8_t>{});
   for (const Added& f : facets) out->add(f.facet, f.layer | (f.ignored ? kIgnored : 0), f.origin);
   out->finish();
@@ -73,12 +75,13 @@ struct Taken {
   RayRange range;
 };
 
-std::vector<Taken> take_all(const Metadata& meta, FacetBins& bins) {
+std::vector<Taken> take_all(const Metadata& meta, FacetBins& bins, bool parts = false) {
   std::vector<Taken> out;
   for_each_bin(meta, bins, [&](const TreePlace& place) {
     const size_t before = out.size();
     bins.take(place, [&](const BinnedFacet& f, const Facet& moved, const RayRange& range) { out.push_back({place, f, moved, range}); });
-    REQUIRE(out.size() - before == bins.facets(place));
+    if (parts) REQUIRE(out.size() - before <= bins.facets(place));
+    else REQUIRE(out.size() - before == bins.facets(place));
   });
   return out;
 }
@@ -92,12 +95,13 @@ std::vector<std::vector<Taken>> by_facet(const std::vector<Taken>& taken, size_t
   return out;
 }
 
-// What must hold of all bins, however they came about.
-void expect_bins(const Metadata& meta, const std::vector<Added>& facets, FacetBins& bins, const FacetBins::Move& move) {
+// What must hold of all bins, however they came about. `found`: what was taken from them, with numbers of facets for layers.
+void expect_taken(const Metadata& meta, const std::vector<Added>& facets, const FacetBins& bins, const std::vector<Taken>& found,
+                  const FacetBins::Move& move) {
   const GridRays rays(meta);
   std::vector<TreePlace> places;
   for_each_bin(meta, bins, [&](const TreePlace& place) { places.push_back(place); });
-  const auto taken = by_facet(take_all(meta, bins), facets.size());
+  const auto taken = by_facet(found, facets.size());
   for (size_t i = 0; i < facets.size(); ++i) {
     const Added& added = facets[i];
     const Facet where = added.origin == FacetBins::kPlaced ? added.facet : move(added.facet, added.layer);
@@ -125,6 +129,11 @@ void expect_bins(const Metadata& meta, const std::vector<Added>& facets, FacetBi
   }
 }
 
+void expect_bins(const Metadata& meta, const std::vector<Added>& facets, FacetBins& bins, const FacetBins::Move& move) {
+  const std::vector<Taken> taken = take_all(meta, bins);
+  expect_taken(meta, facets, bins, taken, move);
+}
+
 TEST_CASE("Facets come back bit for bit from every bin with a ray that they meet, and are at home in one, whatever the budget", "[threads]") {
   const TempFolder folder;
   std::mt19937_64 random(1);
@@ -144,6 +153,46 @@ TEST_CASE("Facets come back bit for bit from every bin with a ray that they meet
         if (how.budget != 1) break;
       }
     }
+  }
+}
+
+TEST_CASE("A part lies in bins as its facets do, whether it is small or spread over the grid, beside facets of their own") {
+  const TempFolder folder;
+  std::mt19937_64 random(5);
+  const auto [budget, move] = GENERATE(table<uint64_t, FacetBins::Move>({{1, unmoved}, {1, moved_if_odd}, {uint64_t{1} << 40, unmoved}}));
+  for (const Metadata& meta : tile_grids()) {
+    constexpr uint32_t kParts = 60, kFacets = 40;
+    std::vector<Added> facets;
+    std::map<std::string, uint32_t> numbers;  // by the bits of the facet
+    for (uint32_t part = 0; part < kParts; ++part)
+      for (const Facet& f : facets_over(random, meta, kFacets)) {
+        facets.push_back({part % 3 == 0 || facets.size() % kFacets == 0 ? f : facets.back().facet, part});
+        if (part % 3 != 0)
+          for (Vec3& v : facets.back().facet.vertex) v[facets.size() % 3] += 0.01 * static_cast<double>(1 + facets.size() % 7);
+        const Facet& added = facets.back().facet;
+        numbers.emplace(std::string(reinterpret_cast<const char*>(&added), sizeof added), static_cast<uint32_t>(facets.size() - 1));
+      }
+    REQUIRE(numbers.size() == facets.size());
+    FacetBins bins(meta, facets.size(), 0, false, Budget{budget, folder.path()}, false, move, {});
+    for (uint32_t part = 0; part < kParts; ++part) {
+      const std::span<const Added> of_part(facets.data() + part * kFacets, kFacets);
+      BinnedPart whole{kFacets, {HUGE_VAL, HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}, part, 0, [of_part](const auto& f) {
+                         for (const Added& added : of_part) f(added.facet);
+                       }};
+      for (const Added& added : of_part) {
+        if (part % 5 == 0) bins.add(added.facet, part, FacetBins::kOfFile);
+        for (const Vec3& v : move(added.facet, part).vertex)
+          for (size_t d = 0; d < 3; ++d) whole.lo[d] = std::min(whole.lo[d], v[d]), whole.hi[d] = std::max(whole.hi[d], v[d]);
+      }
+      if (part % 5 != 0) bins.add(whole);
+    }
+    bins.finish();
+    std::vector<Taken> taken = take_all(meta, bins, true);
+    for (Taken& t : taken) {
+      REQUIRE(facets[numbers.at(std::string(reinterpret_cast<const char*>(&t.facet.facet), sizeof(Facet)))].layer == t.facet.layer);
+      t.facet.layer = numbers.at(std::string(reinterpret_cast<const char*>(&t.facet.facet), sizeof(Facet)));
+    }
+    expect_taken(meta, facets, bins, taken, move);
   }
 }
 

@@ -177,10 +177,10 @@ TEST_CASE("Facets that lie in bins are handed to the tiles that facets in memory
     Given expected = given(meta, facets);
     for (const int ahead : {0, 3}) {
       auto bins = std::make_unique<FacetBins>(
-          meta, 0, false, Budget{1, folder.path()}, ahead > 0, [](const Facet& f, uint32_t) { return f; }, std::vector<uint8_t>{});
+          meta, 0, 0, false, Budget{1, folder.path()}, ahead > 0, [](const Facet& f, uint32_t) { return f; }, std::vector<uint8_t>{});
       for (uint32_t i = 0; i < facets.size(); ++i) bins->add(facets[i], i, FacetBins::kOfFile);
       bins->finish();
-      BinnedCounter survey(facets.size());
+      BinnedCounter survey(std::vector<bool>(facets.size(), true));
       Tiling tiling(std::move(bins), &survey, ahead, meta);
       Given found = walk(tiling);
       for (Given* lists : {&expected, &found})

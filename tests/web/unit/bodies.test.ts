@@ -2,6 +2,7 @@
 import assert from "node:assert/strict";
 import test from "node:test";
 import type { GridInfo } from "@page/base/grid";
+import { type Branch, type Leaf, is_branch, part_tree } from "@page/base/part_tree";
 import { matching, ordered } from "@page/panels/look_list";
 import { change_bodies, isolate, show_all_bodies, with_change } from "@page/state/bodies";
 import { address_of, read_address } from "@page/state/permalink";
@@ -101,4 +102,21 @@ test("lists are filtered by what is read in them, and ordered by name or cells",
   assert.equal(names(ordered(items, "most")), "Axle,wheel 9,wheel 10");
   assert.equal(names(ordered(items, "fewest")), "wheel 10,wheel 9,Axle");
   assert.equal(names(ordered(items, "own")), "wheel 10,Axle,wheel 9");
+});
+
+test("names that are paths are a tree, and chains of branches are one", () => {
+  const shown = (list: readonly (Branch | Leaf)[]): string =>
+    list.map((child) => (is_branch(child) ? `${child.name}${JSON.stringify(child.places)}(${shown(child.children)})` : `${child.name}:${child.place}`)).join(" ");
+  const tree = (...names: string[]) => {
+    const found = part_tree(names);
+    return found && shown(found);
+  };
+  assert.equal(tree("air", "rim", "tyre"), null);
+  assert.equal(tree("air", "/rim", "/tyre"), null);
+  assert.equal(tree("air", "/as1/rod/nut", "/as1/rod/nut#2", "/as1/plate", "wall"), "air:0 as1[1,2,3](rod[1,2](nut:1 nut#2:2) plate:3) wall:4");
+  assert.equal(tree("/a/b/c/d", "/a/b/c/e"), "a / b / c[0,1](d:0 e:1)");
+  assert.equal(tree("/a", "/a/b", "/a/c", "/ab"), "a[0,1,2](a:0 b:1 c:2) ab:3");
+  assert.equal(tree("/a/b", "/a", "/a/c"), "a[0,1,2](b:0 a:1 c:2)");
+  assert.equal(tree("/нет\\/да/部品\\*", "/нет\\/да/\\\\"), "нет/да[0,1](部品*:0 \\:1)");
+  assert.equal(tree("/a//b", "/cut off\\", "a/b"), "a / [0](b:0) cut off\\:1 a/b:2");
 });

@@ -3,6 +3,7 @@
 
 #include "store/base/error.hpp"
 #include "store/base/output_file.hpp"
+#include "store/text/text.hpp"
 #include "store/whole/partition.hpp"
 #include "tools/cli/command.hpp"
 #include "tools/cli/progress.hpp"
@@ -48,8 +49,8 @@ void run(const PartitionArguments& o) {
   size_t neighbours = 0;
   for (const Part& part : p.parts) heaviest = std::max(heaviest, part.weight), neighbours = std::max(neighbours, part.neighbours.size());
   const double mean = p.total / static_cast<double>(o.ranks);
-  say(fmt::format("{}: {} ranks, {}; the heaviest has {:.3f} of the mean; at most {} neighbours", o.output, o.ranks, o.method,
-                  mean > 0 ? heaviest / mean : 1, neighbours));
+  say(fmt::format("{}: {}, {}; the heaviest has {:.3f} of the mean; at most {} neighbours", o.output, counted(static_cast<uint64_t>(o.ranks), "rank"),
+                  o.method, mean > 0 ? heaviest / mean : 1, neighbours));
 }
 
 }  // namespace

@@ -58,10 +58,10 @@ Pixels pixels_of(const SliceArguments& o, const SliceView& view, const Grid& gri
   const bool upright = !o.pixels && shape > 1;
   const int64_t width = upright ? std::max<int64_t>(1, std::llround(kLongerSide / shape)) : o.pixels.value_or(kLongerSide);
   const double height = upright ? kLongerSide : std::max(1.0, std::round(static_cast<double>(width) * shape));
-  if (width < 1 || width > kLongestSide || height > kLongestSide)
-    throw UsageError(
-        fmt::format("--pixels: expected 1 to {0}, with which the picture is no higher than {0}, found {1}, with which it is {2:.0f} high",
-                    kLongestSide, width, height));
+  if (width < 1 || width > kLongestSide) throw UsageError(fmt::format("--pixels: expected 1 to {}, found {}", kLongestSide, width));
+  if (height > kLongestSide)
+    throw UsageError(fmt::format("--pixels: expected a picture that is at most {} pixels high, found {}, with which it is {:.0f} high", kLongestSide,
+                                 width, height));
   return {server::cells_to_scale(u, view.level, view.u0, view.u1, width),
           server::cells_to_scale(v, view.level, view.v0, view.v1, static_cast<int64_t>(height))};
 }

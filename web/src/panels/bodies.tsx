@@ -94,7 +94,18 @@ export function BodiesPanel({ viewer }: { viewer: Viewer }) {
           <h3>All</h3>
         </section>
       )}
-      <LookList viewer={viewer} items={items} what="bodies" all={all} of_found={(found) => <Found viewer={viewer} found={found} />} />
+      <LookList
+        viewer={viewer}
+        items={items}
+        what="bodies"
+        all={all}
+        of_found={(found) => <Found viewer={viewer} found={found} />}
+        many_at_once={{
+          change: (labels, what) => change_bodies(viewer, labels, what),
+          show_only: (labels) => isolate(viewer, labels),
+          show_all: () => show_all_bodies(viewer),
+        }}
+      />
     </>
   );
 }

@@ -13,6 +13,7 @@ export const cells_of = (amount: Amount): string => grouped(amount.cells_text ??
 export interface Item {
   readonly id: number; // of the material, or the label of the body
   readonly name: string;
+  readonly title?: string; // what is read instead of the name, where a tree says the rest of it
   readonly beside: string; // what stands behind the name, in faint letters
   readonly look: MaterialLook;
   readonly alone: boolean; // whether nothing else is shown
@@ -69,39 +70,56 @@ function AmountFacts({ viewer, item: { name, look, amount }, all }: Props) {
   );
 }
 
+interface HeadProps {
+  readonly item: Item;
+  readonly all: number;
+  readonly opened: boolean;
+  readonly set_opened?: (opened: boolean) => void; // none: it can't be closed
+}
+
+// The line of an item: its colour, its name, whether it is seen.
+export function LookHead({ item, all, opened, set_opened }: HeadProps) {
+  const { name, look } = item;
+  const Title = set_opened ? "button" : "span";
+  return (
+    <div class="material-head">
+      <input
+        type="color"
+        title={`Colour of ${name}`}
+        aria-label={`Colour of ${name}`}
+        value={hex_color(look)}
+        style={{ "--opacity": look.opacity }}
+        onInput={(e) => item.change({ color: rgb_of_color(e.currentTarget.value) })}
+      />
+      <Title
+        class="material-title"
+        title={`${name} ${item.beside}`}
+        {...(set_opened && { "aria-expanded": opened, onClick: () => set_opened(!opened) })}
+      >
+        <bdi>{item.title ?? name}</bdi>
+        {item.beside && <span class="faint"> {item.beside}</span>}
+      </Title>
+      {opened ? <Opacity item={item} /> : <span class="share">{item.amount ? percent(item.amount.cells / all) : "…"}</span>}
+      <IconButton
+        icon={look.visible ? "eye" : "hidden"}
+        label={`Show ${name}`}
+        title={look.visible ? "Hide" : "Show"}
+        aria-pressed={look.visible}
+        onClick={() => item.change({ visible: !look.visible })}
+      />
+      <IconButton icon="solo" label={`Only ${name}`} title="Show nothing else" aria-pressed={item.alone} onClick={item.show_alone} />
+    </div>
+  );
+}
+
 // With `short`, it is one line until it is opened.
 export function LookCard({ short, ...props }: Props & { short: boolean }) {
   const { item, all } = props;
-  const [opened, set_opened] = useState(false);
-  const { name, look } = item;
-  const whole = !short || opened;
-  const Title = short ? "button" : "span";
+  const [opened, set_opened] = useState(!short);
   return (
-    <li class={`material ${look.visible ? "" : "is-hidden"} ${short ? "is-short" : ""}`}>
-      <div class="material-head">
-        <input
-          type="color"
-          title={`Colour of ${name}`}
-          aria-label={`Colour of ${name}`}
-          value={hex_color(look)}
-          style={{ "--opacity": look.opacity }}
-          onInput={(e) => item.change({ color: rgb_of_color(e.currentTarget.value) })}
-        />
-        <Title class="material-title" title={`${name} ${item.beside}`} {...(short && { "aria-expanded": opened, onClick: () => set_opened(!opened) })}>
-          {name}
-          {item.beside && <span class="faint"> {item.beside}</span>}
-        </Title>
-        {whole ? <Opacity item={item} /> : <span class="share">{item.amount ? percent(item.amount.cells / all) : "…"}</span>}
-        <IconButton
-          icon={look.visible ? "eye" : "hidden"}
-          label={`Show ${name}`}
-          title={look.visible ? "Hide" : "Show"}
-          aria-pressed={look.visible}
-          onClick={() => item.change({ visible: !look.visible })}
-        />
-        <IconButton icon="solo" label={`Only ${name}`} title="Show nothing else" aria-pressed={item.alone} onClick={item.show_alone} />
-      </div>
-      {whole && <AmountFacts {...props} />}
+    <li class={`material ${item.look.visible ? "" : "is-hidden"} ${short ? "is-short" : ""}`}>
+      <LookHead item={item} all={all} opened={opened} {...(short && { set_opened })} />
+      {opened && <AmountFacts {...props} />}
     </li>
   );
 }

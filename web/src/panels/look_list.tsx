@@ -1,12 +1,14 @@
 // A list of materials or bodies. When it is long there is a filter, an order to choose, and each item is one line that can
-// be opened.
-import { useState } from "preact/hooks";
+// be opened. The parts of an assembly are its tree, as long as no other order is asked for.
+import { useMemo, useState } from "preact/hooks";
 import { grouped } from "../base/format";
 import { by_name, contains } from "../base/names";
+import { part_tree } from "../base/part_tree";
 import type { Viewer } from "../state/viewer";
 import { type Option, Select } from "../widgets/select";
 import { FirstOf } from "./first_of";
 import { type Item, LookCard } from "./look_card";
+import { LookTree, type ManyAtOnce } from "./look_tree";
 
 const MANY = 8;
 const STEP = 100; // items that are shown at once
@@ -36,13 +38,16 @@ interface Props {
   readonly what: string; // as in "Filter 300 materials"
   readonly all: number; // cells of the grid
   readonly of_found?: (found: readonly Item[]) => preact.ComponentChildren; // what can be done with those that the filter finds
+  readonly many_at_once: ManyAtOnce;
 }
 
-export function LookList({ viewer, items, what, all, of_found }: Props) {
+export function LookList({ viewer, items, what, all, of_found, many_at_once }: Props) {
   const [filter, set_filter] = useState("");
   const [order, set_order] = useState<Order>("own");
+  const tree = useMemo(() => part_tree(items.map(({ name }) => name)), [viewer.info]);
   const many = items.length > MANY;
   const found = many ? ordered(matching(items, filter), order) : items;
+  const as_tree = tree && (!many || (filter.trim() === "" && order === "own"));
   return (
     <>
       {many && (
@@ -59,9 +64,13 @@ export function LookList({ viewer, items, what, all, of_found }: Props) {
         </div>
       )}
       {filter.trim() !== "" && found.length > 0 && of_found?.(found)}
-      <FirstOf class="materials" list={found} step={STEP}>
-        {(item) => <LookCard key={item.id} short={many} viewer={viewer} item={item} all={all} />}
-      </FirstOf>
+      {as_tree ? (
+        <LookTree viewer={viewer} tree={tree} items={items} all={all} many_at_once={many_at_once} />
+      ) : (
+        <FirstOf class="materials" list={found} step={STEP}>
+          {(item) => <LookCard key={item.id} short={many} viewer={viewer} item={item} all={all} />}
+        </FirstOf>
+      )}
       {found.length === 0 && <p class="note">No name contains this text.</p>}
     </>
   );

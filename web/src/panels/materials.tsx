@@ -7,14 +7,28 @@ import type { Viewer } from "../state/viewer";
 import { Fact } from "../widgets/fact";
 import type { Item } from "./look_card";
 import { LookList } from "./look_list";
+import type { ManyAtOnce } from "./look_tree";
 import { all_distinct, with_colors_of, with_distinct_colors } from "./palette";
+
+function many_at_once(viewer: Viewer): ManyAtOnce {
+  const change = (of: (look: MaterialLook, id: number) => MaterialLook) => (viewer.looks.value = viewer.looks.value.map(of));
+  return {
+    change: (ids, what) => {
+      const wanted = new Set(ids);
+      change((look, id) => (wanted.has(id) ? { ...look, ...what } : look));
+    },
+    show_only: (ids) => {
+      const wanted = new Set(ids);
+      change((look, id) => ({ ...look, visible: wanted.has(id) }));
+    },
+    show_all: () => change((look) => ({ ...look, visible: true })),
+  };
+}
 
 function items_of(viewer: Viewer, stats: Stats | null): Item[] {
   const looks = viewer.looks.value;
   const visible = looks.flatMap((look, id) => (look.visible ? [id] : []));
-  const change = (id: number, what: Partial<MaterialLook>) => {
-    viewer.looks.value = viewer.looks.value.map((look, n) => (n === id ? { ...look, ...what } : look));
-  };
+  const many = many_at_once(viewer);
   return viewer.info.materials.map(({ id, name }) => {
     const alone = visible.length === 1 && visible[0] === id;
     return {
@@ -24,8 +38,8 @@ function items_of(viewer: Viewer, stats: Stats | null): Item[] {
       look: looks[id]!,
       alone,
       amount: stats?.materials[id] ?? null,
-      change: (what) => change(id, what),
-      show_alone: () => (viewer.looks.value = viewer.looks.value.map((look, n) => ({ ...look, visible: alone || n === id }))),
+      change: (what) => many.change([id], what),
+      show_alone: () => (alone ? many.show_all() : many.show_only([id])),
     };
   });
 }
@@ -41,7 +55,7 @@ export function MaterialsPanel({ viewer }: { viewer: Viewer }) {
         <button
           class="button"
           disabled={looks.every((l) => l.visible)}
-          onClick={() => (viewer.looks.value = looks.map((l) => ({ ...l, visible: true })))}
+          onClick={many_at_once(viewer).show_all}
         >
           Show all
         </button>
@@ -66,7 +80,7 @@ export function MaterialsPanel({ viewer }: { viewer: Viewer }) {
         </button>
       </div>
       {stats.error && <p class="problem">The cells can't be counted: {stats.error}</p>}
-      <LookList viewer={viewer} items={items_of(viewer, stats.value)} what="materials" all={all} />
+      <LookList viewer={viewer} items={items_of(viewer, stats.value)} what="materials" all={all} many_at_once={many_at_once(viewer)} />
       <dl class="numbers total">
         <Fact name="all cells">{grouped(product(viewer.cells))}</Fact>
       </dl>
