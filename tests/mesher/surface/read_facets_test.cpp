@@ -1,6 +1,7 @@
 // What a surface file may look like, what comes out of it, and what is said when it is none.
 #include <xxhash.h>
 
+#include "tests/support/shared_files.hpp"
 #include "tests/support/surfaces.hpp"
 
 using namespace teracell;
@@ -272,12 +273,8 @@ TEST_CASE("An OBJ has no end mark: cut short it is refused or gives the facets u
 // ---- surfaces nobody here made
 
 TEST_CASE("Real surfaces hold the facets that their makers say") {
-  const char* set = std::getenv("TERACELL_SHARED");
-  const std::filesystem::path shared = set ? set : "../shared";  // beside the checkout, from its top
-  if (!std::filesystem::exists(shared / "meshes")) {
-    std::cout << "no surfaces in " << shared << ": set TERACELL_SHARED to test real files\n";
-    return;
-  }
+  const auto meshes = testing::shared_files("meshes");
+  if (!meshes) return;
   const std::vector<std::tuple<std::string, std::string, uint64_t, size_t>> known = {
       {"nefertiti.obj", "OBJ", 99'938, 0},
       {"rocker-arm.obj", "OBJ", 20'088, 0},
@@ -302,13 +299,13 @@ TEST_CASE("Real surfaces hold the facets that their makers say") {
   for (const auto& [name, format, facets, parts] : known) {
     CAPTURE(name);
     uint64_t seen = 0;
-    const SurfaceFile file = read_facets(shared / "meshes" / name, "", [&](std::span<const Facet> some) { seen += some.size(); });
+    const SurfaceFile file = read_facets(*meshes / name, "", [&](std::span<const Facet> some) { seen += some.size(); });
     CHECK(file.format == format);
     CHECK(file.facets == facets);
     CHECK(seen == facets);
     CHECK(file.parts.size() == parts);
-    CHECK(file.bytes == std::filesystem::file_size(shared / "meshes" / name));
+    CHECK(file.bytes == std::filesystem::file_size(*meshes / name));
   }
   for (const char* name : {"broken/empty.stl", "broken/empty-binary.stl"})
-    CHECK_THROWS_WITH(read_facets(shared / "meshes" / name, "", [](auto) {}), Contains("holds no facet"));
+    CHECK_THROWS_WITH(read_facets(*meshes / name, "", [](auto) {}), Contains("holds no facet"));
 }
