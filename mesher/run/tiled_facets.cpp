@@ -40,13 +40,12 @@ class SharedTrees {
 };
 
 // REQUIRES: `part` is one of the tree's.
-BinnedPart binned_part(const std::shared_ptr<const PartTree>& tree, const Part& part, const SceneBody& body, uint32_t layer, uint32_t patch) {
-  BinnedPart out{tree->facets(part), {}, {}, layer, patch, [tree, &part](const auto& f) { tree->read(part, f); }};
+BinnedPart binned_part(const std::shared_ptr<PartTree>& tree, const Part& part, const SceneBody& body, uint32_t layer, uint32_t patch) {
+  const auto read = [&part, shared = std::shared_ptr<const PartTree>(tree)](const auto& f) { shared->read(part, f); };
+  BinnedPart out{tree->facets(part), {}, {}, layer, patch, read};
   out.lo.fill(HUGE_VAL), out.hi.fill(-HUGE_VAL);
   const bool moves = body.matrix != kIdentity;
-  tree->read(part, [&](const Facet& facet) {
-    for (const Vec3& v : facet.vertex) extend(out.lo, out.hi, moves ? moved(v, body) : v);
-  });
+  tree->for_each_vertex(part, [&](const Vec3& v) { extend(out.lo, out.hi, moves ? moved(v, body) : v); });
   return out;
 }
 
@@ -155,7 +154,7 @@ std::unique_ptr<FacetBins> TiledFacets::fill_bins(const TreeRange& range, bool a
     const auto take_part = [&](const Part& part) {
       if (closed.rules || !trees.holds(bodies_.kept->tree)) return false;
       hand_on();
-      background.run([&bins, &part, &body = scene_.bodies[b], tree = std::shared_ptr<const PartTree>(bodies_.kept->tree), layer = closed.layer(b),
+      background.run([&bins, &part, &body = scene_.bodies[b], tree = bodies_.kept->tree, layer = closed.layer(b),
                       patch] { bins->add(binned_part(tree, part, body, layer, patch)); });
       went_on(bodies_.kept->tree->facets(part));
       return true;

@@ -82,6 +82,21 @@ std::vector<uint32_t> PartTree::matching(const PartGlob& glob) {
   return out;
 }
 
+// Null for a shape that is too large to have its vertices listed.
+const std::vector<Vec3>* PartTree::corners_of(const Part& part) {
+  constexpr uint64_t kMostFacets = uint64_t{1} << 16, kMostCorners = uint64_t{1} << 20;  // all lists take some 24 MB
+  const uint32_t shape = *node(part).shape;
+  if (const auto known = corners_.find(shape); known != corners_.end()) return &known->second;
+  if (facets(part) > kMostFacets || all_corners_ > kMostCorners) return nullptr;
+  std::vector<Vec3> list;
+  read_unplaced(part, [&](const Facet& f) { list.insert(list.end(), f.vertex.begin(), f.vertex.end()); });
+  std::ranges::sort(list);
+  list.erase(std::ranges::unique(list).begin(), list.end());
+  list.shrink_to_fit();
+  all_corners_ += list.size();
+  return &corners_.emplace(shape, std::move(list)).first->second;
+}
+
 Vec3 PartTree::placed(const Vec3& v, const Part& part) const {
   Vec3 p = transform(part.matrix, v);
   for (double& x : p)

@@ -127,6 +127,17 @@ class PartTree {
   void read(const Part& part, F&& f) const {
     pass(*this, shapes_, part, f);
   }
+  // Calls f(vertex) with each vertex of its facets where it stands, once where the shape is small. One thread at a time may call this.
+  template <class F>
+  void for_each_vertex(const Part& part, F&& f) {
+    const auto* corners = corners_of(part);
+    if (!corners)
+      return read(part, [&](const Facet& facet) {
+        for (const Vec3& v : facet.vertex) f(v);
+      });
+    const bool moves = part.matrix != kIdentity;
+    for (const Vec3& v : *corners) f(moves ? placed(v, part) : v);
+  }
   // Its facets as the file has them, in the shape's coordinates.
   template <class F>
   void read_unplaced(const Part& part, F&& f) {
@@ -146,13 +157,17 @@ class PartTree {
     });
   }
   Vec3 placed(const Vec3& v, const Part& part) const;
+  const std::vector<Vec3>* corners_of(const Part& part);
   void visit(const std::vector<PartNode::Use>& uses, const std::string& above, const Matrix& matrix, size_t depth);
   std::string name_;
   Shapes shapes_;
   std::vector<PartNode> nodes_;
   std::vector<Part> parts_;
   uint64_t path_bytes_ = 0, visited_ = 0, facets_ = 0;  // facets_ of all parts
-  std::unordered_map<std::string_view, uint32_t> by_path_;  // made when it is needed
+  // Made when they are needed:
+  std::unordered_map<std::string_view, uint32_t> by_path_;
+  std::unordered_map<uint32_t, std::vector<Vec3>> corners_;  // the vertices of a shape, each once
+  uint64_t all_corners_ = 0;
 };
 
 }  // namespace teracell::mesher

@@ -75,9 +75,7 @@ void survey_tree(PartTree& tree, const Budget& budget, FileSurvey& out) {
     out.places.push_back({part.path, kind->second});
     if (!fresh) {
       ++out.kinds[kind->second].instances;
-      tree.read(part, [&](const Facet& f) {
-        for (const Vec3& v : f.vertex) extend(out.lo, out.hi, v);
-      });
+      tree.for_each_vertex(part, [&](const Vec3& v) { extend(out.lo, out.hi, v); });
       continue;
     }
     const PartNode& node = tree.node(part);
