@@ -2,12 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
-#include <unordered_map>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "mesher/bodies/part_counts.hpp"
 #include "mesher/closing/extrude.hpp"
 #include "mesher/closing/lengths.hpp"
 #include "mesher/scene/placement.hpp"
@@ -92,32 +91,6 @@ bool together(const Scene& scene, const Budget& budget) {
          });
 }
 
-// What a body is made of, part by part, and each shape is counted once. Parts that stand where an equal one stands repeat its facets.
-SurfaceCounts counts_by_shape(PartTree& tree, const std::string& glob) {
-  std::unordered_map<uint32_t, SurfaceCounts> of_shape;
-  std::set<std::pair<uint32_t, Matrix>> places;
-  SurfaceCounts out;
-  for (const uint32_t i : tree.matching(PartGlob(glob))) {
-    const Part& part = tree.parts()[i];
-    const uint32_t shape = *tree.node(part).shape;
-    if (!places.emplace(shape, part.matrix).second) {
-      out.duplicates += tree.facets(part);
-      continue;
-    }
-    const auto [counts, fresh] = of_shape.try_emplace(shape);
-    if (fresh) {
-      SurfaceCounter counter;
-      tree.read_unplaced(part, [&](const Facet& f) { counter.add(f); });
-      counts->second = counter.totals();
-    }
-    out.degenerate += counts->second.degenerate;
-    out.duplicates += counts->second.duplicates;
-    out.opposite += counts->second.opposite;
-    out.shells += counts->second.shells;
-  }
-  return out;
-}
-
 // Reads the bodies one after another and hands what it reads to the helper, some thousand facets or bodies at a time. (With one
 // job per body, a scene of 100,000 bodies spent more time on handing over than on the work.)
 class BodyReader {
@@ -149,7 +122,11 @@ class BodyReader {
                                 .helper = out_.helper.get(),
                                 .expect = [&](uint64_t facets) { make_room(facets); },
                                 .enter_patch = [&](uint32_t patch) { patch_ = patch; }});
-      if (out_.kept->name == body.mesh.string() && repeats()) found.counts = counts_by_shape(*out_.kept->tree, body.part);
+      if (KeptTree* kept = kept_of(body); kept && kept->tree->repeats()) {
+        found.repeats = true;
+        if (count_) found.counts = part_counts(*kept, body.part);
+      }
+      found.file.parts = {};  // many bodies may be parts of one file, and each would have the names of all
       if (!found.file.regular) once_.push_back(b);
       if (!out_.in_memory) expect_files();
       batch_.pieces.push_back({b, {}, 0, true, 0});
@@ -158,7 +135,7 @@ class BodyReader {
     hand_on();
     out_.helper->finish();
     study_->hand_over(out_);
-    if (out_.in_memory) *out_.kept = {};
+    if (out_.in_memory) out_.kept->clear();
   }
 
  private:
@@ -178,7 +155,7 @@ class BodyReader {
   };
 
   void take(size_t b, uint32_t layer, std::span<const Facet> facets) {
-    if (out_.in_memory && !together_ && repeats()) spill();
+    if (out_.in_memory && !together_ && has_copies(b, facets.size())) spill();
     make_room(facets.size());
     batch_.facets += facets.size();
     if (!out_.in_memory) {
@@ -193,8 +170,16 @@ class BodyReader {
     if (batch_.facets >= kFacets) hand_on();
   }
 
-  // The facets that arrive are those of a tree whose shapes, which are kept, are much less than all facets.
-  bool repeats() const { return out_.kept->tree && out_.kept->tree->repeats(); }
+  // Null where the body's file has no tree. REQUIRES: it is the one that was read last.
+  KeptTree* kept_of(const SceneBody& body) const {
+    KeptTree* kept = out_.kept->latest();
+    return kept && kept->name == body.mesh.native() ? kept : nullptr;
+  }
+  // So many facets of copies have arrived that they are worth having once.
+  bool has_copies(size_t b, uint64_t more) const {
+    KeptTree* kept = kept_of(scene_.bodies[b]);
+    return kept && kept->tree->repeats(kept->taken += more);
+  }
 
   void make_room(uint64_t facets) {
     if (out_.in_memory && out_.facets->size() + facets > most_) spill();

@@ -22,7 +22,8 @@ struct BodyFacets {
   uint64_t first = 0;  // when in memory: its facets are [first, first + file.facets) of Bodies::facets
   Vec3 lo, hi;         // the box of its vertices, as the grid sees them
   BoundaryProof boundary;
-  std::optional<SurfaceCounts> counts;  // of a body of a tree that repeats (part_tree.hpp): by its shapes
+  bool repeats = false;                 // its tree does (part_tree.hpp)
+  std::optional<SurfaceCounts> counts;  // then, if its shapes tell them (part_counts.hpp)
   bool opposites = false;  // two facets of a sample have the same vertices and opposite orientations
   ClosedBody closed;       // by close_bodies()
 };
@@ -33,7 +34,7 @@ struct Bodies {
   std::vector<BodyFacets> bodies;
   Vec3 lo, hi;  // the box of all vertices, as the grid sees them
   Vec3 area{};  // of the facets' projections along x, y, z
-  std::unique_ptr<KeptTree> kept = std::make_unique<KeptTree>();  // for bodies that take parts of the same file; for one thread
+  std::unique_ptr<KeptTrees> kept = std::make_unique<KeptTrees>();  // for bodies that take parts of the same files; for one thread
 
   // What the surfaces in memory are made of decides no cell: it is counted beside the work, from the files' coordinates.
   std::shared_ptr<std::vector<SurfaceCounts>> counts = std::make_shared<std::vector<SurfaceCounts>>();

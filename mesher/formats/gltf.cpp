@@ -22,16 +22,25 @@ class Reader {
   }
 
   PartTree tree() {
-    std::vector<PartNode> nodes;
-    std::vector<uint32_t> parents(gltf_.nodes().size());
+    std::vector<PartNode> nodes(gltf_.nodes().size());
+    std::vector<uint32_t> parents(nodes.size()), next;  // of the nodes that the scene has; others may be broken
     std::vector<PartNode::Use> roots;
-    for (const uint32_t root : gltf_.roots()) roots.push_back(use(root, "scenes", parents));
-    for (uint32_t i = 0; i < gltf_.nodes().size(); ++i) {
+    const auto use_of = [&](uint32_t node, const std::string& where) {
+      PartNode::Use made = use(node, where, parents);
+      next.push_back(node);
+      return made;
+    };
+    for (const uint32_t root : gltf_.roots()) roots.push_back(use_of(root, "scenes"));
+    while (!next.empty()) {
+      const uint32_t i = next.back();
+      next.pop_back();
       const GltfNode& n = gltf_.nodes()[i];
-      PartNode& node = nodes.emplace_back(PartNode{.name = n.name, .product = {}, .color = {}, .material = {}, .shape = {}, .uses = {}});
-      if (n.mesh) take_mesh(*n.mesh, node);
+      const std::string where = fmt::format("nodes[{}]", i);
+      PartNode& node = nodes[i];
+      node.name = n.name;
+      if (n.mesh) take_mesh(*n.mesh, node, where);
       if (node.name.empty()) node.name = node.product.empty() ? fmt::format("node {}", i) : node.product;
-      for (const uint32_t child : n.children) node.uses.push_back(use(child, fmt::format("nodes[{}]", i), parents));
+      for (const uint32_t child : n.children) node.uses.push_back(use_of(child, where));
     }
     if (left_out_ > 0)
       file_.warnings.push_back(fmt::format("{} of points and lines {} left out", plural(left_out_, "primitive"), left_out_ == 1 ? "was" : "were"));
@@ -48,8 +57,9 @@ class Reader {
     return {node, m, ""};
   }
 
-  void take_mesh(uint32_t number, PartNode& node) {
-    if (number >= gltf_.meshes().size()) refuse(fmt::format("expected the number of a mesh, found {} of {}", number, gltf_.meshes().size()));
+  void take_mesh(uint32_t number, PartNode& node, const std::string& where) {
+    if (number >= gltf_.meshes().size())
+      refuse(fmt::format("{}: expected the number of a mesh, found {} of {}", where, number, gltf_.meshes().size()));
     const GltfMesh& mesh = gltf_.meshes()[number];
     auto [known, fresh] = shape_of_.try_emplace(number, 0);
     if (fresh) known->second = make_shape(mesh, number);
@@ -78,8 +88,7 @@ class Reader {
     const auto [known, fresh] = sets_.try_emplace(accessor, 0);
     if (!fresh) return known->second;
     known->second = shapes_.begin_vertices(gltf_.is_float(accessor));
-    const Factor& by = file_.factor;
-    gltf_.read_vectors(accessor, [&](const Vec3& v) { shapes_.add_vertex(by.is_one() ? v : Vec3{by.of(v[0]), by.of(v[1]), by.of(v[2])}); });
+    gltf_.read_vectors(accessor, [&](const Vec3& v) { shapes_.add_vertex(v, file_.factor, gltf_.name()); });
     return known->second;
   }
 

@@ -22,6 +22,7 @@ constexpr uint64_t kMostText = uint64_t{48} << 20;
 constexpr size_t kMostValues = size_t{1} << 20, kMostElements = size_t{1} << 18;
 constexpr uint64_t kMostZeros = uint64_t{1} << 20;  // of an accessor without bytes
 constexpr uint64_t kMostTimes = 16;                 // that all accessors together read the bytes of all buffers
+constexpr uint64_t kSmallBuffer = uint64_t{1} << 16, kSmallBuffers = uint64_t{1} << 26;  // files that are read as a whole
 
 // Extensions that change no shape. What else a file requires is refused by its name.
 constexpr std::array kHarmlessExtensions = {"KHR_materials_", "KHR_texture_",   "KHR_lights_", "EXT_texture_",
@@ -106,6 +107,8 @@ uint64_t whole(const JsonNode& j, std::string_view key, uint64_t otherwise) {
 Matrix matrix_of(const JsonNode& j) {
   if (const auto given = j.find("matrix")) {
     const auto m = given->numbers<16>();  // column by column
+    for (const char* other : {"translation", "rotation", "scale"})
+      if (j.find(other)) given->fail(fmt::format("no {} beside it", other));
     if (m[3] != 0 || m[7] != 0 || m[11] != 0 || m[15] != 1) given->fail("a matrix whose last row is 0 0 0 1");
     return {m[0], m[4], m[8], m[12], m[1], m[5], m[9], m[13], m[2], m[6], m[10], m[14]};
   }
@@ -116,6 +119,9 @@ Matrix matrix_of(const JsonNode& j) {
   if (const auto r = j.find("rotation")) {
     rotation = r->numbers<4>();
     if (rotation == std::array<double, 4>{0, 0, 0, 0}) r->fail("a quaternion other than 0 0 0 0");
+    double square = 0;
+    for (const double q : rotation) square += q * q;
+    if (!(square > 1e-200 && square < 1e200)) r->fail("a quaternion whose length is from 1e-100 to 1e100");
   }
   return placement(translation, rotation, scale);
 }
@@ -208,6 +214,7 @@ void GltfFile::take(const std::string& list, const JsonNode& j) {
   else if (list == "buffers") {
     Buffer b;
     if (const auto uri = j.find("uri")) b.uri = uri->any_text();
+    b.declared = whole(j, "byteLength", 0);
     room(buffers_).push_back(std::move(b));
   } else if (list == "scenes") {
     std::vector<uint32_t>& scene = room(scenes_).emplace_back();
@@ -282,6 +289,12 @@ const GltfFile::Accessor& GltfFile::at(uint32_t accessor) const {
 bool GltfFile::is_float(uint32_t accessor) const { return at(accessor).values.type == 5126; }
 
 // Calls take(numbers) with the components of each element.
+namespace {
+
+bool is_unsigned(uint32_t type) { return type == 5121 || type == 5123 || type == 5125; }
+
+}  // namespace
+
 template <class F>
 void GltfFile::read_numbers(const Stretch& from, uint64_t count, size_t components, bool normalized, const std::string& where, F&& take) {
   if (!from.view || *from.view >= views_.size()) refuse(where, "expected the number of a bufferView");
@@ -320,50 +333,57 @@ void GltfFile::spend(uint64_t bytes, const std::string& where) {
     refuse(where, fmt::format("the accessors read more than {} times the {} bytes that the buffers have", kMostTimes, all_bytes_));
 }
 
+// Elements of an accessor, those that are replaced in their places.
+template <class F>
+void GltfFile::read_elements(const Accessor& a, size_t components, const std::string& where, F&& take) {
+  if (a.replaced == 0 && a.values.view) return read_numbers(a.values, a.count, components, a.normalized, where, take);
+  if (a.replaced > kMostZeros) refuse(where, fmt::format("expected at most {} elements that are replaced, found {}", kMostZeros, a.replaced));
+  if (a.replaced > 0 && !is_unsigned(a.indices.type)) refuse(where, "sparse: expected indices of 8, 16 or 32 bits without a sign");
+  std::map<uint64_t, std::array<double, 3>> replaced;  // few
+  std::vector<uint64_t> indices;
+  read_numbers(a.indices, a.replaced, 1, false, where, [&](const std::array<double, 3>& n) { indices.push_back(static_cast<uint64_t>(n[0])); });
+  uint64_t i = 0, done = 0;
+  read_numbers(a.replacements, a.replaced, components, a.normalized, where, [&](const std::array<double, 3>& n) { replaced[indices[i++]] = n; });
+  if (!replaced.empty() && replaced.rbegin()->first >= a.count)
+    refuse(where, fmt::format("expected indices of elements below {}, found {}", a.count, replaced.rbegin()->first));
+  const auto one = [&](const std::array<double, 3>& n) {
+    const auto other = replaced.find(done++);
+    take(other == replaced.end() ? n : other->second);
+  };
+  if (a.values.view) read_numbers(a.values, a.count, components, a.normalized, where, one);
+  else
+    for (uint64_t k = 0; k < a.count; ++k) one({0, 0, 0});
+}
+
 void GltfFile::read_vectors(uint32_t accessor, const std::function<void(const Vec3&)>& take) {
   const Accessor& a = at(accessor);
   const std::string where = fmt::format("accessors[{}]", accessor);
   if (a.shape != "VEC3") refuse(where, fmt::format("expected the type VEC3, found {}", shown(a.shape)));
   uint64_t done = 0;
-  const auto checked = [&](const Vec3& v) {
+  read_elements(a, 3, where, [&](const Vec3& v) {
     Vec3 out;
     for (size_t d = 0; d < 3; ++d)
       out[d] = is_coordinate(v[d]) ? v[d] + 0.0 : checked_coordinate(v[d], fmt::format("{}: {}: element {}", name_, where, done));
     ++done;
     take(out);
-  };
-  if (a.replaced == 0 && a.values.view) return read_numbers(a.values, a.count, 3, a.normalized, where, checked);
-  std::map<uint64_t, Vec3> replaced;  // sparse: few
-  if (a.replaced > kMostZeros) refuse(where, fmt::format("expected at most {} elements that are replaced, found {}", kMostZeros, a.replaced));
-  std::vector<uint64_t> indices;
-  read_numbers(a.indices, a.replaced, 1, false, where, [&](const std::array<double, 3>& n) { indices.push_back(static_cast<uint64_t>(n[0])); });
-  uint64_t i = 0;
-  read_numbers(a.replacements, a.replaced, 3, a.normalized, where, [&](const Vec3& v) { replaced[indices[i++]] = v; });
-  if (!replaced.empty() && replaced.rbegin()->first >= a.count)
-    refuse(where, fmt::format("expected indices of elements below {}, found {}", a.count, replaced.rbegin()->first));
-  const auto one = [&](const Vec3& v) {
-    const auto other = replaced.find(done);
-    checked(other == replaced.end() ? v : other->second);
-  };
-  if (a.values.view) read_numbers(a.values, a.count, 3, a.normalized, where, one);
-  else
-    for (uint64_t k = 0; k < a.count; ++k) one({0, 0, 0});
+  });
 }
 
 void GltfFile::read_scalars(uint32_t accessor, const std::function<void(uint64_t)>& take) {
   const Accessor& a = at(accessor);
   const std::string where = fmt::format("accessors[{}]", accessor);
-  const bool unsigned_type = a.values.type == 5121 || a.values.type == 5123 || a.values.type == 5125;
-  if (a.shape != "SCALAR" || !unsigned_type || a.replaced > 0)
-    refuse(where, "expected indices: SCALAR, of 8, 16 or 32 bits without a sign, not sparse");
-  read_numbers(a.values, a.count, 1, false, where, [&](const std::array<double, 3>& n) { take(static_cast<uint64_t>(n[0])); });
+  if (a.shape != "SCALAR" || !is_unsigned(a.values.type)) refuse(where, "expected indices: SCALAR, of 8, 16 or 32 bits without a sign");
+  read_elements(a, 1, where, [&](const std::array<double, 3>& n) { take(static_cast<uint64_t>(n[0])); });
 }
 
 void GltfFile::read_bytes(uint32_t buffer, uint64_t offset, std::span<char> out) {
   if (buffer >= buffers_.size()) refuse("bufferViews", fmt::format("expected the number of a buffer, found {} of {}", buffer, buffers_.size()));
   Buffer& b = buffers_[buffer];
-  if (!b.opened) open(buffer);
+  const bool first = !b.opened;
+  if (first) open(buffer);
   const uint64_t there = b.beside ? b.beside->size() : b.uri.empty() ? binary_bytes_ : b.decoded.size();
+  if (first && there < b.declared)
+    refuse(fmt::format("buffers[{}]", buffer), fmt::format("cut short: expected {} bytes, found {}", b.declared, there));
   if (offset > there || out.size() > there - offset)
     refuse(fmt::format("buffers[{}]", buffer),
            fmt::format("cut short: expected {} bytes from {} on, found {} bytes in all", out.size(), offset, there));
@@ -407,6 +427,13 @@ void GltfFile::open(uint32_t buffer) {
     Input beside(file);
     b.beside = std::make_unique<Contents>(beside, budget_);
     all_bytes_ += b.beside->size();
+    if (b.beside->size() <= kSmallBuffer && small_bytes_ + b.beside->size() <= kSmallBuffers) {  // descriptors are few
+      b.decoded.resize(b.beside->size());
+      b.beside->read(0, b.decoded);
+      b.beside.reset();
+      b.uri = "data:";
+      small_bytes_ += b.decoded.size();
+    }
     file_.bytes += beside.bytes_on_disk();
     file_.hash += beside.hash();
   } catch (const IoError& e) {

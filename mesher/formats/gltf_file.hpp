@@ -45,8 +45,6 @@ class GltfFile {
   // The nodes at the root of the default scene, else of the first; of a file without scenes all nodes that are no children.
   std::vector<uint32_t> roots() const;
 
-  // The number of elements. Throws InputError when there is no such accessor.
-  uint64_t count(uint32_t accessor) const { return at(accessor).count; }
   bool is_float(uint32_t accessor) const;
   // Calls take(element) for each element in order, with its three or one components. Throws InputError when bytes are missing.
   void read_vectors(uint32_t accessor, const std::function<void(const Vec3&)>& take);
@@ -58,6 +56,7 @@ class GltfFile {
  private:
   struct Buffer {
     std::string uri;  // empty: the GLB's own
+    uint64_t declared = 0;              // bytes that it has
     bool opened = false;
     std::string decoded;                // of a data URI, or
     std::unique_ptr<Contents> beside;  // a file
@@ -89,6 +88,8 @@ class GltfFile {
   const Accessor& at(uint32_t accessor) const;
   template <class F>
   void read_numbers(const Stretch& from, uint64_t count, size_t components, bool normalized, const std::string& where, F&& take);
+  template <class F>
+  void read_elements(const Accessor& a, size_t components, const std::string& where, F&& take);
   void read_bytes(uint32_t buffer, uint64_t offset, std::span<char> out);
   void open(uint32_t buffer);
   [[noreturn]] void refuse(const std::string& where, const std::string& why) const;
@@ -100,6 +101,7 @@ class GltfFile {
   const std::unique_ptr<Contents> contents_;
   uint64_t binary_at_ = 0, binary_bytes_ = 0;  // of the GLB's own buffer
   uint64_t all_bytes_ = 0, read_bytes_ = 0;    // of the buffers that were opened; that were made of them
+  uint64_t small_bytes_ = 0;                   // of files that were read as a whole
   size_t primitives_ = 0;
   std::optional<uint32_t> scene_;
   std::vector<std::vector<uint32_t>> scenes_;

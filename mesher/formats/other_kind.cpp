@@ -46,6 +46,7 @@ constexpr Signature kSignatures[] = {
     {0, "AutoCAD Binary DXF", "a DXF drawing", kExport},
     {0, "**ABCDEFGHIJKLM", "a Parasolid file", kExport},
     {0, "\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", "an OLE file, as SolidWorks, Inventor and older Office programs write", kExport},
+    {0, "OFF BINARY", "an OFF file in binary", kExport},
     // meshes and fields
     {0, "# vtk DataFile", "a VTK file", kExtract},
     {0, "$MeshFormat", "a Gmsh mesh", kExtract},

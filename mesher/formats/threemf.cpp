@@ -87,11 +87,12 @@ class ModelReader {
     for (Object& o : objects_) nodes.push_back(node_of(o));
     std::vector<PartNode::Use> roots;
     for (const Use& use : items_)
-      if (const uint32_t object = number_of(use); objects_[object].type != "support" && objects_[object].type != "solidsupport")
-        roots.push_back({object, use.matrix, ""});
-      else ++supports_;
-    if (supports_ > 0)
-      file_.warnings.push_back(fmt::format("{} left out: support structures for printing are no part of the model", plural(supports_, "item")));
+      if (const uint32_t object = number_of(use); is_of_model(object)) roots.push_back({object, use.matrix, ""});
+    if (helpers_ > 0)
+      file_.warnings.push_back(fmt::format(
+          "{} left out: objects of the types support, solidsupport and other help printing and are no part of the model", plural(helpers_, "place")));
+    if (items_.empty() && !objects_.empty())
+      file_.warnings.push_back(fmt::format("<build> has no item, so none of the {} stands anywhere", plural(objects_.size(), "object")));
     return PartTree(name_, std::move(shapes_), std::move(nodes), roots);
   }
 
@@ -170,9 +171,7 @@ class ModelReader {
 
   void add_vertex(const XmlElement& e) {
     if (!in_mesh_) refuse("expected <vertex> in a mesh");
-    const Factor& by = file_.factor;
-    const Vec3 v = {coordinate(e, "x"), coordinate(e, "y"), coordinate(e, "z")};
-    shapes_.add_vertex(by.is_one() ? v : Vec3{by.of(v[0]), by.of(v[1]), by.of(v[2])});
+    shapes_.add_vertex({coordinate(e, "x"), coordinate(e, "y"), coordinate(e, "z")}, file_.factor, name_);
   }
 
   void add_triangle(const XmlElement& e) {
@@ -235,7 +234,15 @@ class ModelReader {
     return out.find_first_not_of("0123456789abcdef", 1) == std::string::npos ? out : "";
   }
 
-  PartNode node_of(const Object& o) const {
+  // Counts a place of one that is not.
+  bool is_of_model(uint32_t object) {
+    const std::string& type = objects_[object].type;
+    const bool helps = type == "support" || type == "solidsupport" || type == "other";
+    helpers_ += helps;
+    return !helps;
+  }
+
+  PartNode node_of(const Object& o) {
     PartNode node{.name = o.name.empty() ? fmt::format("object {}", o.id) : o.name,
                   .product = o.name,
                   .color = {},
@@ -245,7 +252,8 @@ class ModelReader {
     if (o.material_group)
       if (const auto group = groups_.find(*o.material_group); group != groups_.end() && o.material < group->second.size())
         node.color = group->second[o.material].color, node.material = group->second[o.material].name;
-    for (const Use& c : o.components) node.uses.push_back({number_of(c), c.matrix, ""});
+    for (const Use& c : o.components)
+      if (const uint32_t object = number_of(c); is_of_model(object)) node.uses.push_back({object, c.matrix, ""});
     return node;
   }
 
@@ -293,7 +301,7 @@ class ModelReader {
   std::vector<Material>* group_ = nullptr;
   std::vector<Use> items_;
   size_t uses_ = 0, materials_ = 0;
-  uint64_t supports_ = 0;
+  uint64_t helpers_ = 0;
   bool in_object_ = false, in_mesh_ = false;
   uint32_t set_ = 0;  // of the mesh's vertices
   XmlReader xml_;     // last: it reads while it is constructed

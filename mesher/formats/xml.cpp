@@ -66,6 +66,7 @@ struct XmlReader::Calls {
   }
   static void name_space(void* self, const char* prefix, const char* uri) {
     guarded(self, [&](XmlReader& r) {
+      if (r.depth_ > 0) return;
       if (r.name_spaces_.size() == kMostNameSpaces) r.refuse(fmt::format("expected at most {} namespaces, found more", kMostNameSpaces));
       r.name_spaces_.emplace_back(prefix ? prefix : "", uri ? uri : "");
     });

@@ -39,7 +39,7 @@ class XmlReader {
   // For messages: "a.3mf: '3D/3dmodel.model': line 7".
   std::string at_line() const;
   uint64_t line() const;
-  // The namespace that a prefix stands for where the current element begins; empty when it stands for none.
+  // The namespace that a prefix stands for in the root element; empty when it stands for none.
   std::string name_space(const std::string& prefix) const;
 
  private:

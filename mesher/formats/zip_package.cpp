@@ -18,8 +18,8 @@
 namespace teracell::mesher {
 namespace {
 
-// Models are packed 5 to 30 times; what is made to fill a disk is packed a thousand times.
-constexpr uint64_t kMostUnpacked = 64, kHarmless = uint64_t{1} << 26;
+// Models are packed 5 to 30 times, thousands of copies a hundred times; what is made to fill a disk is packed a thousand times.
+constexpr uint64_t kMostUnpacked = 250, kHarmless = uint64_t{1} << 26;
 // Stands for a size that is told elsewhere, which Minizip 1.1 (Debian 12) does not find.
 constexpr uint64_t kToldElsewhere = 0xffffffff;
 
@@ -103,6 +103,7 @@ void ZipPackage::read(const std::string& file, const std::function<bool(std::str
   if (info.compression_method != 0 && info.compression_method != Z_DEFLATED)
     refuse(fmt::format("expected a file that is stored or deflated, found compression method {}", info.compression_method));
   if (unzOpenCurrentFile(zip_.get()) != UNZ_OK) refuse("it isn't where the list of files says: is the package damaged?");
+  const uint64_t packed = std::min<uint64_t>(info.compressed_size, source_->contents->size());  // the list of files may say anything
   const auto close = [](void* package) { unzCloseCurrentFile(package); };
   std::unique_ptr<void, decltype(close)> opened(zip_.get(), close);
   std::array<char, 1 << 16> block;
@@ -112,9 +113,9 @@ void ZipPackage::read(const std::string& file, const std::function<bool(std::str
     if (got < 0) refuse("its compressed bytes are damaged");
     if (got == 0) break;
     unpacked += static_cast<uint64_t>(got);
-    if (unpacked > kHarmless && unpacked / kMostUnpacked > info.compressed_size)
-      refuse(fmt::format("its {} bytes unpack to more than {} times as many: no model is packed so well, so nothing more is unpacked",
-                         info.compressed_size, kMostUnpacked));
+    if (unpacked > kHarmless && unpacked / kMostUnpacked > packed)
+      refuse(fmt::format("its {} bytes unpack to more than {} times as many: no model is packed so well, so nothing more is unpacked", packed,
+                         kMostUnpacked));
     if (!take({block.data(), static_cast<size_t>(got)})) return;
   }
   if (unpacked != info.uncompressed_size) refuse(fmt::format("cut short: expected {} bytes, found {}", info.uncompressed_size, unpacked));

@@ -27,16 +27,16 @@ class SharedTrees {
  public:
   explicit SharedTrees(uint64_t bytes) : left_(bytes) {}
   bool holds(const std::shared_ptr<PartTree>& tree) {
-    if (tree == last_) return true;
+    if (std::ranges::count(held_, tree) > 0) return true;
     if (!tree->repeats() || !tree->in_memory() || tree->bytes_in_memory() > left_) return false;
     left_ -= tree->bytes_in_memory();
-    last_ = tree;
+    held_.push_back(tree);
     return true;
   }
 
  private:
   uint64_t left_;
-  std::shared_ptr<PartTree> last_;  // the others are held by their parts
+  std::vector<std::shared_ptr<PartTree>> held_;
 };
 
 // REQUIRES: `part` is one of the tree's.
@@ -107,7 +107,7 @@ std::unique_ptr<FacetBins> TiledFacets::fill_bins(const TreeRange& range, bool a
   const bool walls =
       std::ranges::any_of(bodies_.bodies, [](const BodyFacets& b) { return !b.closed.walls[0].empty() || !b.closed.walls[1].empty(); });
   uint64_t repeated = 0;
-  for (const BodyFacets& body : bodies_.bodies) repeated += body.counts ? body.file.facets : 0;
+  for (const BodyFacets& body : bodies_.bodies) repeated += body.repeats ? body.file.facets : 0;
   const uint64_t all = bodies_.facet_count();
   auto bins = std::make_unique<FacetBins>(meta_, all, all - repeated, bodies_.float32() && !walls, budget_, threads_ > 1, move, widened_, range,
                                           patches_ != nullptr);
@@ -125,6 +125,7 @@ std::unique_ptr<FacetBins> TiledFacets::fill_bins(const TreeRange& range, bool a
   Batch batch;
   Background background(threads_ > 1);
   const auto hand_on = [&] {
+    if (batch.stretches.empty()) return;
     background.run([&bins, batch = std::exchange(batch, {})] {
       const Facet* f = batch.facets.data();
       for (const Stretch& s : batch.stretches)
@@ -152,11 +153,12 @@ std::unique_ptr<FacetBins> TiledFacets::fill_bins(const TreeRange& range, bool a
       went_on(facets.size());
     };
     const auto take_part = [&](const Part& part) {
-      if (closed.rules || !trees.holds(bodies_.kept->tree)) return false;
+      const std::shared_ptr<PartTree> tree = bodies_.kept->latest()->tree;
+      if (closed.rules || !trees.holds(tree)) return false;
       hand_on();
-      background.run([&bins, &part, &body = scene_.bodies[b], tree = bodies_.kept->tree, layer = closed.layer(b),
-                      patch] { bins->add(binned_part(tree, part, body, layer, patch)); });
-      went_on(bodies_.kept->tree->facets(part));
+      background.run(
+          [&bins, &part, &body = scene_.bodies[b], tree, layer = closed.layer(b), patch] { bins->add(binned_part(tree, part, body, layer, patch)); });
+      went_on(tree->facets(part));
       return true;
     };
     read_again(scene_.bodies[b], found, take,
@@ -170,7 +172,7 @@ std::unique_ptr<FacetBins> TiledFacets::fill_bins(const TreeRange& range, bool a
   hand_on();
   background.finish();
   if (!again) {
-    *bodies_.kept = {};
+    bodies_.kept->clear();
     for (BodyFacets& body : bodies_.bodies) body.closed.drop_facets();
   }
   bins->finish();

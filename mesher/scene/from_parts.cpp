@@ -30,7 +30,7 @@ std::vector<Leaf> leaves_of(const std::filesystem::path& file, const Budget& bud
   KeptTree kept;
   if (kept.open(input, {.budget = budget})) {
     for (const Part& part : kept.tree->parts()) out.push_back({part.path, kept.tree->node(part).color, kept.tree->node(part).material});
-    if (out.empty()) throw InputError(fmt::format("{}: holds no facet", file.string()));
+    if (out.empty()) refuse_empty(file.string(), kept.file);
     return out;
   }
   const SurfaceFile found = read_facets(input, "", [](std::span<const Facet>) {}, {.budget = budget});
@@ -40,7 +40,7 @@ std::vector<Leaf> leaves_of(const std::filesystem::path& file, const Budget& bud
 }
 
 std::string body_name(const Leaf& leaf, const std::filesystem::path& file, NameBook& names) {
-  return names.numbered(leaf.path.empty() ? mesh_stem(file) : std::string(first_bytes(leaf.path, kMostStem)));
+  return names.numbered(leaf.path.empty() ? mesh_stem(file) : printable(first_bytes(utf8_of(leaf.path), kMostStem)));
 }
 
 // "nut" for "/as1/nut#2".
@@ -108,7 +108,7 @@ Scene scene_by_part(const std::vector<std::filesystem::path>& files, const Budge
 }
 
 SceneText scene_text(const std::vector<std::filesystem::path>& files, const std::filesystem::path& folder, std::optional<int64_t> cells,
-                     std::optional<double> step, const Budget& budget) {
+                     std::optional<double> step, const std::string& units, const Budget& budget) {
   SceneText out;
   NameBook names;
   Materials materials;
@@ -132,8 +132,8 @@ SceneText scene_text(const std::vector<std::filesystem::path>& files, const std:
       "{{\n  \"note\": \"Later bodies win where bodies overlap, unless they have a priority. Cells are cubes; \\\"cells\\\" counts those of the longest "
       "axis.\",\n  \"units\": \"{}\",\n  \"grid\": {{{}, \"pad\": 1}},\n  \"background\": \"air\",\n  \"label_by\": \"body\",\n  \"materials\": {{\n    \"air\": {{\"color\": \"{}\"}}{}\n  }},\n"
       "  \"bodies\": [\n{}\n  ]\n}}\n",
-      first_stated_unit(files), step ? fmt::format("\"step\": {}", Json(*step).dump()) : fmt::format("\"cells\": {}", cells.value_or(200)),
-      kBackgroundColor, list, bodies);
+      units.empty() ? first_stated_unit(files) : units,
+      step ? fmt::format("\"step\": {}", Json(*step).dump()) : fmt::format("\"cells\": {}", cells.value_or(200)), kBackgroundColor, list, bodies);
   return out;
 }
 

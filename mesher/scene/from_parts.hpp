@@ -22,6 +22,6 @@ struct SceneText {
 };
 // `folder` is where the scene will lie: files are named relative to it. Cells along the longest axis, or a step.
 SceneText scene_text(const std::vector<std::filesystem::path>& files, const std::filesystem::path& folder, std::optional<int64_t> cells,
-                     std::optional<double> step, const Budget& budget);
+                     std::optional<double> step, const std::string& units, const Budget& budget);
 
 }  // namespace teracell::mesher

@@ -29,8 +29,7 @@ struct SurfaceFile {
   std::string unit;                 // that the file states: m, cm, mm, um, nm, in or ft; empty when it states none
   Factor factor;                    // by which coordinates and translations were multiplied
   std::string units;                // that ReadOptions asked for
-  // Paths of the parts of an assembly; names of STL solids, or of OBJ groups and objects, in the file's order, not only those that match; up to some
-  // megabytes.
+  // Names of STL solids, or of OBJ groups and objects, in the file's order, not only those that match; up to some megabytes.
   std::vector<std::string> parts;
   // Names of the patches that facets passed to the sink belong to, in the order of their first facets; "" where none is named.
   std::vector<std::string> patches;
@@ -47,6 +46,9 @@ inline bool is_coordinate(double v) {
 }
 // Returns v, with -0 as +0. Throws InputError, which begins with `where`, unless v is a coordinate.
 double checked_coordinate(double v, const std::string& where);
+
+// Throws the InputError for a file without facets, with its warnings.
+[[noreturn]] void refuse_empty(const std::string& name, const SurfaceFile& file);
 
 // Text from a file as messages show it: quoted, printable, at most a few dozen characters.
 std::string shown(std::string_view text);

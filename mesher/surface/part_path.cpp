@@ -1,7 +1,9 @@
 #include "mesher/surface/part_path.hpp"
 
 #include <fnmatch.h>
+#include <locale.h>
 
+#include <algorithm>
 #include <unordered_map>
 #include <unordered_set>
 #include <utility>
@@ -43,7 +45,19 @@ bool has_wildcard(std::string_view glob) {
   return false;
 }
 
-bool fits(const std::string& glob, const std::string& text) { return fnmatch(glob.c_str(), text.c_str(), 0) == 0; }
+bool is_ascii(const std::string& text) {
+  return std::ranges::all_of(text, [](char c) { return static_cast<unsigned char>(c) < 0x80; });
+}
+
+// ? and [...] stand for a character, which fnmatch() knows by the locale of the thread.
+bool fits(const std::string& glob, const std::string& text) {
+  static const locale_t utf8 = newlocale(LC_CTYPE_MASK, "C.UTF-8", nullptr);
+  const bool ascii = is_ascii(glob) && is_ascii(text);
+  const locale_t before = ascii || !utf8 ? nullptr : uselocale(utf8);
+  const bool out = fnmatch(glob.c_str(), text.c_str(), 0) == 0;
+  if (before) uselocale(before);
+  return out;
+}
 
 }  // namespace
 
@@ -73,15 +87,18 @@ std::vector<std::string> names_of(std::string_view path) {
 }
 
 std::vector<std::string> told_apart(std::vector<std::string> names) {
-  std::unordered_set<std::string> taken(names.begin(), names.end());
-  std::unordered_map<std::string, uint64_t> used;  // how often, or the last number that was given
-  for (std::string& name : names) {
-    uint64_t& number = used[name];
+  std::unordered_map<std::string_view, uint64_t> used;  // how often, or the last number that was given
+  for (const std::string& name : names) used.try_emplace(name);
+  std::unordered_set<std::string> given;
+  std::vector<std::pair<size_t, std::string>> renamed;
+  for (size_t i = 0; i < names.size(); ++i) {
+    uint64_t& number = used[names[i]];
     if (++number == 1) continue;
     std::string other;
-    while (!taken.insert(other = fmt::format("{}#{}", name, number)).second) ++number;
-    name = std::move(other);
+    while (used.contains(other = fmt::format("{}#{}", names[i], number)) || !given.insert(other).second) ++number;
+    renamed.emplace_back(i, std::move(other));
   }
+  for (auto& [i, name] : renamed) names[i] = std::move(name);
   return names;
 }
 

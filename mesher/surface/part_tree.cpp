@@ -11,7 +11,7 @@ namespace teracell::mesher {
 namespace {
 
 // A file of some kilobytes can describe a tree of any size, because nodes may be used more than once.
-constexpr size_t kMostParts = size_t{1} << 19, kMostVisited = 4 * kMostParts, kDeepestTree = 64;
+constexpr size_t kMostParts = size_t{1} << 19, kMostVisited = 4 * kMostParts, kDeepestTree = 512;
 constexpr uint64_t kMostPathBytes = uint64_t{1} << 26;
 
 }  // namespace
@@ -19,6 +19,16 @@ constexpr uint64_t kMostPathBytes = uint64_t{1} << 26;
 uint32_t Shapes::begin_vertices(bool float32) {
   sets_.push_back({vertices_.size(), float32});
   return static_cast<uint32_t>(sets_.size() - 1);
+}
+
+void Shapes::add_vertex(const Vec3& v, const Factor& by, const std::string& where) {
+  if (by.is_one()) return add_vertex(v);
+  Vec3 out;
+  for (size_t d = 0; d < 3; ++d) {
+    out[d] = by.of(v[d]);
+    if (!is_coordinate(out[d])) checked_coordinate(out[d], where + ": a vertex in the units of the scene");
+  }
+  add_vertex(out);
 }
 
 uint32_t Shapes::begin_shape() {
@@ -47,16 +57,19 @@ void PartTree::visit(const std::vector<PartNode::Use>& uses, const std::string& 
   if (depth > kDeepestTree)
     throw InputError(fmt::format("{}: {}: expected at most {} levels in the tree of parts, found more: does a part contain itself?", name_,
                                  shown(above), kDeepestTree));
+  const auto name_of = [&](const PartNode::Use& use) -> const std::string& { return use.name.empty() ? nodes_[use.node].name : use.name; };
+  visited_ += uses.size();
+  for (const PartNode::Use& use : uses) name_bytes_ += name_of(use).size();
+  if (visited_ > kMostVisited || name_bytes_ > kMostPathBytes)
+    throw InputError(fmt::format("{}: expected at most {} places in the tree of parts, with {} bytes of names, found more at {}", name_, kMostVisited,
+                                 kMostPathBytes, shown(above.empty() ? "/" : above)));
   std::vector<std::string> names;
   names.reserve(uses.size());
-  for (const PartNode::Use& use : uses) names.push_back(use.name.empty() ? nodes_[use.node].name : use.name);
+  for (const PartNode::Use& use : uses) names.push_back(name_of(use));
   names = told_apart(std::move(names));
   for (size_t i = 0; i < uses.size(); ++i) {
     const PartNode& node = nodes_[uses[i].node];
     const std::string path = path_below(above, names[i]);
-    if (++visited_ > kMostVisited)
-      throw InputError(
-          fmt::format("{}: expected at most {} places in the tree of parts, found more, the first of them at {}", name_, kMostVisited, shown(path)));
     const Matrix placed = uses[i].matrix == kIdentity ? matrix : matrix == kIdentity ? uses[i].matrix : product(matrix, uses[i].matrix);
     if (node.shape && shapes_.facets(*node.shape) > 0) {
       path_bytes_ += path.size();

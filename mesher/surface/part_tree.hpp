@@ -24,6 +24,8 @@ class Shapes {
   // Vertices that triangles of one or more shapes name by number: those that are added until the next call.
   uint32_t begin_vertices(bool float32);
   void add_vertex(const Vec3& v) { vertices_.push_back(v); }
+  // The same times a factor. Throws InputError, which begins with `where`, when it leaves the range of coordinates.
+  void add_vertex(const Vec3& v, const Factor& by, const std::string& where);
   // The vertices of a set that are there.
   uint64_t vertices(uint32_t set) const { return (set + 1 < sets_.size() ? sets_[set + 1].first : vertices_.size()) - sets_[set].first; }
 
@@ -114,7 +116,8 @@ class PartTree {
   bool float32(const Part& part) const { return part.matrix == kIdentity && shapes_.float32(*node(part).shape); }
   uint64_t facets(const Part& part) const { return shapes_.facets(*node(part).shape); }
   // Most parts are copies of others, and there are so many of them that their facets are worth having once (a thousand bolts).
-  bool repeats() const { return facets_ > kFewFacets && facets_ / 4 > shapes_.facets(); }
+  bool repeats() const { return repeats(facets_); }
+  bool repeats(uint64_t facets) const { return facets > kFewFacets && facets / 4 > shapes_.facets(); }  // of so many facets of parts
   bool in_memory() const { return shapes_.in_memory(); }
   uint64_t bytes_in_memory() const { return shapes_.bytes_in_memory(); }
   // Calls f(facet) with each of its facets where it stands. Throws InputError when a vertex leaves the range of coordinates.
@@ -163,7 +166,7 @@ class PartTree {
   Shapes shapes_;
   std::vector<PartNode> nodes_;
   std::vector<Part> parts_;
-  uint64_t path_bytes_ = 0, visited_ = 0, facets_ = 0;  // facets_ of all parts
+  uint64_t path_bytes_ = 0, name_bytes_ = 0, visited_ = 0, facets_ = 0;  // facets_ of all parts
   // Made when they are needed:
   std::unordered_map<std::string_view, uint32_t> by_path_;
   std::unordered_map<uint32_t, std::vector<Vec3>> corners_;  // the vertices of a shape, each once

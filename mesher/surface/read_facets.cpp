@@ -103,12 +103,31 @@ bool KeptTree::open(Input& input, const ReadOptions& options) {
   return reader.open;
 }
 
+KeptTree* KeptTrees::find(const std::string& name, const std::string& units) {
+  const auto found = std::ranges::find_if(trees_, [&](const KeptTree& t) { return t.name == name && t.units == units; });
+  if (found == trees_.end()) return nullptr;
+  trees_.splice(trees_.begin(), trees_, found);
+  return &trees_.front();
+}
+
+KeptTree& KeptTrees::add(KeptTree&& tree, uint64_t bytes) {
+  constexpr size_t kMost = 64;
+  trees_.push_front(std::move(tree));
+  const auto all = [&] {
+    uint64_t sum = 0;
+    for (const KeptTree& t : trees_) sum += t.tree->bytes_in_memory();
+    return sum;
+  };
+  while (trees_.size() > 1 && (trees_.size() > kMost || all() > bytes)) trees_.pop_back();
+  return trees_.front();
+}
+
 SurfaceFile read_facets(Input& input, const std::string& part, const FacetSink& sink, const ReadOptions& options) {
   const SurfaceReader& reader = reader_of(input);
   if (reader.open) {
-    KeptTree here, &kept = options.kept ? *options.kept : here;
-    kept.open(input, reader, options);
-    return read_parts(kept, part, sink, options);
+    KeptTree here;
+    here.open(input, reader, options);
+    return read_parts(options.kept ? options.kept->add(std::move(here), options.budget.bytes / 4) : here, part, sink, options);
   }
   SurfaceFile file;
   const PartGlob glob(part);
@@ -127,15 +146,22 @@ std::string stated_unit(const std::filesystem::path& path) {
   return reader.unit ? reader.unit(input) : "";
 }
 
-std::string first_stated_unit(const std::vector<std::filesystem::path>& paths) {
-  for (const std::filesystem::path& path : paths)
-    if (std::string unit = stated_unit(path); !unit.empty()) return unit;
-  return "m";
+std::string first_stated_unit(const std::vector<std::filesystem::path>& paths, std::filesystem::path* unsaid) {
+  std::string first;
+  std::filesystem::path without;
+  for (const std::filesystem::path& path : paths) {
+    const std::string unit = stated_unit(path);
+    if (first.empty()) first = unit;
+    if (unit.empty() && without.empty()) without = path;
+    if (!first.empty() && (!unsaid || !without.empty())) break;
+  }
+  if (unsaid && !first.empty()) *unsaid = without;
+  return first.empty() ? "m" : first;
 }
 
 SurfaceFile read_facets(const std::filesystem::path& path, const std::string& part, const FacetSink& sink, const ReadOptions& options) {
-  if (options.kept && options.kept->tree && options.kept->name == path.string() && options.kept->units == options.units)
-    return read_parts(*options.kept, part, sink, options);
+  if (options.kept)
+    if (KeptTree* kept = options.kept->find(path.string(), options.units)) return read_parts(*kept, part, sink, options);
   Input input(path);
   return read_facets(input, part, sink, options);
 }

@@ -6,19 +6,22 @@
 // above 1e75, or nonzero and below 1e-75 is refused: within these limits the exact predicates neither overflow nor underflow.
 #pragma once
 #include <filesystem>
+#include <list>
 #include <memory>
 #include <string>
+#include <unordered_map>
 
 #include "mesher/surface/facet.hpp"
 #include "mesher/surface/part_tree.hpp"
 #include "mesher/surface/read_options.hpp"
+#include "store/grid/report.hpp"
 
 namespace teracell::mesher {
 
 class Input;
 struct SurfaceReader;
 
-// A file with a tree that was read: its parts are read again without the file. Where bodies take parts of one file, it is read once.
+// A file with a tree that was read: its parts are read again without the file.
 struct KeptTree {
   // Reads a file with a tree. Returns false for one without, of which nothing is read. Throws as read_facets() does.
   bool open(Input& input, const ReadOptions& options);
@@ -26,6 +29,24 @@ struct KeptTree {
   std::string name, units;
   std::shared_ptr<PartTree> tree;
   SurfaceFile file;  // without what depends on the parts that are taken
+  // For those who take its parts:
+  uint64_t taken = 0;                                  // facets
+  std::unordered_map<uint32_t, SurfaceCounts> counts;  // of shapes
+};
+
+// The trees that were used last, so that a file of which bodies take parts is read once.
+class KeptTrees {
+ public:
+  // Null: it isn't kept.
+  KeptTree* find(const std::string& name, const std::string& units);
+  // Those that were not used for longest go, while all of them take more than `bytes`.
+  KeptTree& add(KeptTree&& tree, uint64_t bytes);
+  // The one that was used last; null: none is kept.
+  KeptTree* latest() { return trees_.empty() ? nullptr : &trees_.front(); }
+  void clear() { trees_.clear(); }
+
+ private:
+  std::list<KeptTree> trees_;  // the one that was used last first
 };
 
 // Passes the facets of `path` to `sink`: those of the parts whose names match the glob `part`, or all when it is empty. A
@@ -47,7 +68,8 @@ SurfaceFile read_facets(Input& input, const std::string& part, const FacetSink& 
 
 // The unit that a file states: m, cm, mm, um, nm, in or ft. Empty where it states none, or is no regular file. Throws as above.
 std::string stated_unit(const std::filesystem::path& path);
-// That of the first file which states one, else m: of a grid of surfaces without a scene.
-std::string first_stated_unit(const std::vector<std::filesystem::path>& paths);
+// That of the first file which states one, else m: of a grid of surfaces without a scene. `unsaid`, if not null, gets the first file that
+// states none where another one does.
+std::string first_stated_unit(const std::vector<std::filesystem::path>& paths, std::filesystem::path* unsaid = nullptr);
 
 }  // namespace teracell::mesher

@@ -16,13 +16,13 @@ namespace teracell::mesher {
 // For reading outside of a run, which has a budget of its own: what exceeds a gigabyte lies on disk.
 inline Budget modest_budget() { return {.bytes = uint64_t{1} << 30, .folder = std::filesystem::temp_directory_path()}; }
 
-struct KeptTree;
+class KeptTrees;
 struct Part;
 
 struct ReadOptions {
   Budget budget;                 // vertices that must be kept stay within it; others are kept on disk
   std::string units;             // coordinates of a file that states its unit are converted to these; empty: they stay as they are
-  KeptTree* kept = nullptr;      // keeps a file with a tree for the next call
+  KeptTrees* kept = nullptr;     // keeps files with a tree for the next call
   Background* helper = nullptr;  // may do part of the parsing; it may have other jobs
   // Called before the first facet by a reader that knows about how many there are.
   std::function<void(uint64_t)> expect = [](uint64_t) {};

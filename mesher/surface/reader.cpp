@@ -20,14 +20,18 @@ locale_t c_locale() {
   return locale;
 }
 
+// Names are UTF-8, whatever a file holds, and not longer than may be stored.
+std::string clean(std::string_view name) { return std::string(first_bytes(utf8_of(name), kLongestPartName)); }
+
 }  // namespace
 
 FacetStream::FacetStream(const PartGlob& glob, const FacetSink& sink, const std::function<void(uint32_t)>& enter_patch)
     : glob_(glob), sink_(sink), enter_patch_(enter_patch) {}
 
 void FacetStream::enter_patch(std::string_view name) {
-  name = name.substr(0, kLongestPatchName);
-  if (name != patch_) change_patch(name);
+  if (name == raw_patch_) return;
+  raw_patch_ = name;
+  change_patch(clean(name));
 }
 
 void FacetStream::change_patch(std::string_view name) {
@@ -56,17 +60,20 @@ void FacetStream::begin_patch() {
 }
 
 bool FacetStream::wants(std::string_view part) {
-  const std::string name(part);
+  const std::string name = clean(part);
   if (!name.empty() && !known_parts_.contains(name)) note(name);
   const bool wanted = glob_.matches_name(name);
   matched_ |= wanted;
   return wanted;
 }
 
+void refuse_empty(const std::string& name, const SurfaceFile& file) {
+  throw InputError(fmt::format("{}: holds no facet{}{}", name, file.warnings.empty() ? "" : ": ", fmt::join(file.warnings, ". ")));
+}
+
 void FacetStream::add_parts(PartTree& tree, SurfaceFile& file, const std::function<bool(const Part&)>& take) {
-  if (tree.parts().empty()) throw InputError(fmt::format("{}: holds no facet", tree.name()));
+  if (tree.parts().empty()) refuse_empty(tree.name(), file);
   matched_ = glob_.takes_all();
-  for (const Part& part : tree.parts()) note(part.path);
   for (const uint32_t i : tree.matching(glob_)) {
     const Part& part = tree.parts()[i];
     matched_ = true;
@@ -81,6 +88,8 @@ void FacetStream::add_parts(PartTree& tree, SurfaceFile& file, const std::functi
     }
     tree.read(part, [this](const Facet& facet) { next() = facet; });
   }
+  if (matched_) return;
+  for (const Part& part : tree.parts()) note(part.path);  // for the message
 }
 
 // The names are only for messages, so millions of them are not worth their memory.

@@ -31,7 +31,8 @@ class FacetStream {
   bool wants(std::string_view part);
   // The facets of the parts of a tree that are wanted, each part a patch. Sets file.float32. `take` as in ReadOptions.
   void add_parts(PartTree& tree, SurfaceFile& file, const std::function<bool(const Part&)>& take);
-  // The facets that follow belong to this patch ("": to the one of the body). Names are told apart by their first bytes.
+  // The facets that follow, of a file without a tree, belong to this patch ("": to the one of the body). Names are told apart by their first
+  // bytes.
   void enter_patch(std::string_view name);
   // A new facet, which the caller fills in before the next call.
   Facet& next() {
@@ -46,7 +47,7 @@ class FacetStream {
   void finish(const std::string& name, SurfaceFile& file);
 
  private:
-  static constexpr size_t kFew = 32, kMany = 4096, kLongestPatchName = 256;
+  static constexpr size_t kFew = 32, kMany = 4096;
   void note(const std::string& name);
   void flush();
   void change_patch(std::string_view name);
@@ -66,7 +67,7 @@ class FacetStream {
   std::unordered_set<std::string> known_parts_;
   uint64_t names_ = 0;       // bytes that these two take, approximately
   bool more_parts_ = false;  // the file has more parts than these two hold
-  std::string patch_;        // of the facets that follow
+  std::string patch_, raw_patch_;  // of the facets that follow; as the file has it
   std::unordered_map<std::string, uint32_t> patches_;
   std::vector<std::string> patch_names_;
   size_t patch_bytes_ = 0;  // of these names

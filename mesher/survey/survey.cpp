@@ -166,7 +166,7 @@ FileSurvey survey(const std::filesystem::path& path, const Budget& budget) {
   out.tree = kept.open(input, {.budget = budget});
   if (!out.tree) survey_flat(input, path, budget, out);
   else {
-    if (kept.tree->parts().empty()) throw InputError(fmt::format("{}: holds no facet", path.string()));
+    if (kept.tree->parts().empty()) refuse_empty(path.string(), kept.file);
     out.file = std::move(kept.file);
     survey_tree(*kept.tree, budget, out);
   }

@@ -34,7 +34,7 @@ FacetBins::FacetBins(const Metadata& meta, uint64_t facets, uint64_t whole, bool
       record_bytes_(9 * (float32 ? sizeof(float) : sizeof(double)) + (patches ? 2 : 1) * sizeof(uint32_t)),
       most_facets_(std::max<uint64_t>(std::min(budget.bytes, kMostUseful) / 16 / kLoadedBytes, 1024)),
       move_(std::move(move)),
-      file_(budget.folder, expected_bytes(whole, record_bytes_), expected_bytes(whole, record_bytes_) <= budget.bytes / 2),
+      file_(budget.folder, expected_bytes(whole, record_bytes_), expected_bytes(facets, record_bytes_) <= budget.bytes / 2),
       root_{rays_.root(), true, 0, {}, {}, {}},
       writer_(own_writer) {
   // Starts with as many bins as are likely to be needed, if their buffers fit: a bin that must be split later is written twice.

@@ -36,10 +36,10 @@ struct BinnedPart {
 class FacetBins {
  public:
   using Move = std::function<Facet(const Facet&, uint32_t layer)>;
-  // For about `facets` facets, `whole` of them not in parts, in single precision if `float32`. `move` transforms a facet to where the grid sees it. A
-  // loaded bin takes about a sixteenth of the budget, and so do all buffers together while bins are filled. With `own_writer` another thread writes
-  // to the disk. If all fits into half of the budget, it stays in memory. `widened` bodies as in rays.hpp. Facets that lie outside `range` alone are
-  // dropped. `patches`: facets keep theirs.
+  // For about `facets` facets, `whole` of them surely not in parts, in single precision if `float32`. `move` transforms a facet to where the grid
+  // sees it. A loaded bin takes about a sixteenth of the budget, and so do all buffers together while bins are filled. With `own_writer` another
+  // thread writes to the disk. If all fits into half of the budget, it stays in memory. `widened` bodies as in rays.hpp. Facets that lie outside
+  // `range` alone are dropped. `patches`: facets keep theirs.
   FacetBins(const Metadata& meta, uint64_t facets, uint64_t whole, bool float32, const Budget& budget, bool own_writer, Move move,
             std::vector<uint8_t> widened, const TreeRange& range = {}, bool patches = false);
 

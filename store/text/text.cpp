@@ -52,8 +52,11 @@ std::string printable(std::string_view text) {
   for (size_t i = 0; i < utf8.size(); ++i) {
     const auto byte = [&](size_t at) { return static_cast<unsigned char>(utf8[at]); };
     const bool c1 = byte(i) == 0xc2 && byte(i + 1) < 0xa0;  // U+0080 to U+009F take two bytes
-    out += byte(i) < 0x20 || byte(i) == 0x7f || c1 ? '?' : utf8[i];
-    i += c1;
+    // U+2028 to U+202E and U+2066 to U+2069 end a line, or turn the direction of what follows.
+    const bool turns = byte(i) == 0xe2 && ((byte(i + 1) == 0x80 && byte(i + 2) >= 0xa8 && byte(i + 2) <= 0xae) ||
+                                           (byte(i + 1) == 0x81 && byte(i + 2) >= 0xa6 && byte(i + 2) <= 0xa9));
+    out += byte(i) < 0x20 || byte(i) == 0x7f || c1 || turns ? '?' : utf8[i];
+    i += c1 ? 1 : turns ? 2 : 0;
   }
   return out;
 }

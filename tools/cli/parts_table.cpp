@@ -1,6 +1,7 @@
 #include "tools/cli/parts_table.hpp"
 
 #include <algorithm>
+#include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <map>
@@ -48,6 +49,16 @@ Branch tree_of(const FileSurvey& f) {
   return root;
 }
 
+// A name that is long loses its middle.
+std::string name_shown(const std::string& name) {
+  constexpr size_t kMost = 60;
+  const std::string text = printable(name);
+  if (text.size() <= kMost) return trimmed(text).empty() ? "'" + text + "'" : text;
+  size_t end = text.size() - kMost / 3;
+  while (end < text.size() && (static_cast<unsigned char>(text[end]) & 0xc0) == 0x80) ++end;
+  return std::string(first_bytes(text, kMost / 3 * 2)) + "…" + text.substr(end);
+}
+
 // Equal for branches that look the same.
 size_t looks_of(const Branch& b) {
   size_t hash = std::hash<std::string_view>()(mesher::without_number(b.name)) * 31 + b.kind;
@@ -69,22 +80,26 @@ class Lines {
  private:
   // Siblings that look the same share a line.
   void add_all(const std::vector<Branch>& branches, const std::string& indent, bool outermost) {
-    std::vector<std::pair<const Branch*, uint64_t>> groups;
+    struct Group {
+      const Branch *first, *last;
+      uint64_t count;
+    };
+    std::vector<Group> groups;
     std::map<size_t, size_t> known;
     for (const Branch& b : branches) {
       const auto [group, fresh] = known.try_emplace(looks_of(b), groups.size());
-      if (fresh) groups.emplace_back(&b, 0);
-      ++groups[group->second].second;
+      if (fresh) groups.push_back({&b, &b, 0});
+      groups[group->second].last = &b;
+      ++groups[group->second].count;
     }
     for (size_t i = 0; i < groups.size(); ++i) {
-      const auto& [b, count] = groups[i];
+      const auto& [b, end, count] = groups[i];
       const bool last = i + 1 == groups.size();
-      const std::string_view name = count > 1 ? mesher::without_number(b->name) : std::string_view(b->name);
       all.push_back({fmt::format("{}{}{}{}", indent,
                                  outermost ? ""
                                  : last    ? "└─ "
                                            : "├─ ",
-                                 printable(name), count > 1 ? fmt::format(" × {}", fmt::group_digits(count)) : ""),
+                                 name_shown(b->name), count > 1 ? fmt::format(" … {} × {}", name_shown(end->name), fmt::group_digits(count)) : ""),
                      b->kind == kNoKind ? nullptr : &survey_.kinds[b->kind]});
       add_all(b->below, outermost ? "" : indent + (last ? "   " : "│  "), false);
     }
@@ -132,7 +147,10 @@ void print_file(const std::string& name, const FileSurvey& f) {
     if (!kind) rows.push_back({tree, "", "", "", ""});
     else
       rows.push_back({tree, fmt::format("{}", fmt::group_digits(kind->facets)), size_of(kind->lo, kind->hi),
-                      kind->closed ? number_text(kind->volume, 6) : fmt::format("open: {}", plural(kind->open_edges, "edge")), looks_text(*kind)});
+                      kind->closed            ? number_text(kind->volume, 6)
+                      : kind->open_edges == 0 ? "open"
+                                              : fmt::format("open: {}", plural(kind->open_edges, "edge")),
+                      looks_text(*kind)});
   }
   std::array<size_t, 5> widths{};
   for (const auto& row : rows)
@@ -151,6 +169,8 @@ void print_file(const std::string& name, const FileSurvey& f) {
 
 bool names_a_grid(const std::string& name) {
   if (name.find("://") != std::string::npos || name.ends_with(".tcell")) return true;
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(name, ignored)) return false;  // of a pipe nothing may be taken
   std::ifstream in(name, std::ios::binary);
   char head[16] = {};
   in.read(head, sizeof head);

@@ -29,11 +29,11 @@ TEST_CASE("glTF: facets of the default scene, in metres, single precision where 
   CHECK(r.file.float32);
   CHECK(r.file.format == "GLB");
   CHECK(r.file.unit == "m");
-  CHECK(r.file.parts == std::vector<std::string>{"/tet"});
+  CHECK(r.file.patches == std::vector<std::string>{"/tet"});
   const std::string two = R"("nodes":[{"mesh":0,"name":"a"},{"mesh":0,"name":"b","translation":[1,0,0]}],"scenes":[{"nodes":[0]},{"nodes":[1]}])";
-  CHECK(read(gltf(two)).file.parts == std::vector<std::string>{"/a"});
+  CHECK(read(gltf(two)).file.patches == std::vector<std::string>{"/a"});
   const Result second = read(gltf(two + R"(,"scene":1)"));
-  CHECK(second.file.parts == std::vector<std::string>{"/b"});
+  CHECK(second.file.patches == std::vector<std::string>{"/b"});
   CHECK_FALSE(second.file.float32);
   const Result mm = read(gltf(kOneNode), "", {}, nullptr, "mm");
   CHECK(mm.facets[3][2] == Vec3{0, 0, 500});
@@ -45,7 +45,7 @@ TEST_CASE("glTF: nodes within nodes; quaternions, scales, mirrors, matrices; tra
       {"name":"x","mesh":0,"rotation":[0,0,2,2],"scale":[3,1,1]},{"name":"x","mesh":0,"matrix":[-1,0,0,0, 0,1,0,0, 0,0,1,0, 4,0,0,1]}])"),
                         "", {}, nullptr, "cm");
   REQUIRE(r.facets.size() == 8);
-  CHECK(r.file.parts == std::vector<std::string>{"/root/x", "/root/x#2"});
+  CHECK(r.file.patches == std::vector<std::string>{"/root/x", "/root/x#2"});
   const double c = 1 - 2 * (2 / std::sqrt(8.0)) * (2 / std::sqrt(8.0));
   for (size_t i = 0; i < 4; ++i) {
     const auto f = tetrahedron()[i];

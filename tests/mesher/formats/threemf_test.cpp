@@ -20,14 +20,13 @@ TEST_CASE("3MF: facets as they are, in the unit that the file states") {
   CHECK(r.file.format == "3MF");
   CHECK(r.file.unit == "mm");
   CHECK_FALSE(r.file.float32);
-  CHECK(r.file.parts == std::vector<std::string>{"/tet"});
   CHECK(r.file.patches == std::vector<std::string>{"/tet"});
 
   const Result inch = read(threemf(one_item(tetrahedron_object(1)), "unit=\"inch\""), "", {}, nullptr, "mm");
   CHECK(inch.file.unit == "in");
   CHECK(inch.facets[3][0] == Vec3{25.4, 0, 0});
   CHECK(inch.facets[3][2] == Vec3{0, 0, 12.7});
-  CHECK(inch.file.parts == std::vector<std::string>{"/object 1"});
+  CHECK(inch.file.patches == std::vector<std::string>{"/object 1"});
 }
 
 TEST_CASE("3MF: components and items place objects, the outer last; mirrored facets are turned round") {
@@ -38,7 +37,7 @@ TEST_CASE("3MF: components and items place objects, the outer last; mirrored fac
                                 "</resources><build><item objectid=\"2\" transform=\"2 0 0 0 2 0 0 0 2 0 0 7\"/>"
                                 "<item objectid=\"1\"/></build>"));
   REQUIRE(r.facets.size() == 12);
-  CHECK(r.file.parts == std::vector<std::string>{"/pair/a", "/pair/a#2", "/a"});
+  CHECK(r.file.patches == std::vector<std::string>{"/pair/a", "/pair/a#2", "/a"});
   for (size_t i = 0; i < 4; ++i) {
     const auto f = tetrahedron()[i];
     const auto twice = [](const Vec3& v) { return Vec3{2 * v[0], 2 * v[1], 2 * v[2] + 7}; };

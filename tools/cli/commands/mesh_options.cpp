@@ -122,7 +122,13 @@ mesher::Scene scene_from(const MeshArguments& o) {
     if (json) throw UsageError("--units: expected surfaces without a scene, found a scene: its units are in the file");
     if (!mesher::is_unit(o.units)) throw UsageError(fmt::format("--units: expected m, cm, mm, um, nm, in or ft, found '{}'", o.units));
     scene.units = o.units;
-  } else if (!json) scene.units = mesher::first_stated_unit(files);
+  } else if (!json) {
+    std::filesystem::path unsaid;
+    scene.units = mesher::first_stated_unit(files, &unsaid);
+    if (!unsaid.empty())
+      warn(fmt::format("{} states no unit: its coordinates are taken to be in {}, as another file states (a scene can scale it)", unsaid.string(),
+                       scene.units));
+  }
   if (!o.cells.empty() && o.step) throw UsageError("--cells and --step exclude each other: give one of them");
   mesher::GridOptions grid;
   if (!o.cells.empty()) {

@@ -4,6 +4,7 @@
 
 #include "mesher/scene/from_parts.hpp"
 #include "mesher/surface/read_options.hpp"
+#include "mesher/surface/units.hpp"
 #include "store/base/error.hpp"
 #include "store/base/output_file.hpp"
 #include "store/text/text.hpp"
@@ -17,15 +18,18 @@ struct SceneArguments {
   std::string output;
   std::optional<int64_t> cells;
   std::optional<double> step;
+  std::string units;
 };
 
 void run(const SceneArguments& o) {
   check_output(o.files, o.output);
   if (o.cells && o.step) throw UsageError("--cells and --step exclude each other: give one of them");
   if (o.step && !(*o.step > 0)) throw UsageError(fmt::format("--step: expected a number above 0, found {}", *o.step));
+  if (!o.units.empty() && !mesher::is_unit(o.units))
+    throw UsageError(fmt::format("--units: expected m, cm, mm, um, nm, in or ft, found '{}'", o.units));
   OutputFile file(o.output);
-  const mesher::SceneText scene =
-      mesher::scene_text({o.files.begin(), o.files.end()}, std::filesystem::path(o.output).parent_path(), o.cells, o.step, mesher::modest_budget());
+  const mesher::SceneText scene = mesher::scene_text({o.files.begin(), o.files.end()}, std::filesystem::path(o.output).parent_path(), o.cells, o.step,
+                                                     o.units, mesher::modest_budget());
   file.append({reinterpret_cast<const uint8_t*>(scene.text.data()), scene.text.size()});
   file.commit();
   constexpr size_t kShown = 8;
@@ -44,6 +48,7 @@ Run setup_scene(CLI::App& app) {
   app.add_option("-o,--output", o->output, "the scene (.json) to write")->required();
   app.add_option("--cells", o->cells, "cubic cells, this many along the longest axis with its pad (default 200)")->check(in_range(3, 2147483646));
   app.add_option("--step", o->step, "the edge of a cell, in the units of the scene, which are those that the first file states");
+  app.add_option("--units", o->units, "m, cm, mm, um, nm, in or ft (default: those that the first file states, else m)");
   app.footer("Example:\n  teracell scene assembly.3mf --cells 1000 -o scene.json\n  teracell mesh scene.json -o assembly.tcell");
   return [o] { run(*o); };
 }
