@@ -97,11 +97,22 @@ FacetBins::GroupRange FacetBins::groups_of(std::span<const uint8_t> record) cons
   return groups_of(rays_.range_of({{part.lo, part.hi, part.hi}}, layer_in(tag)));
 }
 
+// About how many facets of a part lie in a bin, by the share of its box that does.
+uint64_t FacetBins::facets_here(const TreePlace& place, const GroupRange& groups, const BinnedPart& part) const {
+  const auto share = [&](uint32_t first, uint32_t last, uint32_t at) {
+    const int shift = kFanOutBits * place.depth;
+    const uint64_t from = std::max<uint64_t>(first, uint64_t{at} << shift), to = std::min<uint64_t>(last, ((uint64_t{at} + 1) << shift) - 1);
+    return static_cast<double>(to + 1 - from) / (static_cast<double>(last - first) + 1);
+  };
+  const double here = share(groups.first_u, groups.last_u, place.cu) * share(groups.first_v, groups.last_v, place.cv);
+  return 1 + static_cast<uint64_t>(here * static_cast<double>(part.facets));
+}
+
 void FacetBins::put(Bin& bin, const GroupRange& groups, std::span<const uint8_t> record) {
   constexpr uint32_t kMostCopies = 4;  // of a part's record among the children of a bin: more of them would read the part too often
   if (!bin.wanted) return;
   if (bin.children.empty()) {
-    bin.facets += is_part(tag_in(record)) ? part_in(record).facets : 1;
+    bin.facets += is_part(tag_in(record)) ? facets_here(bin.place, groups, part_in(record)) : 1;
     if (bin.buffer.empty()) bin.buffer.reserve(buffer_bytes_ + kPage);
     bin.buffer.insert(bin.buffer.end(), record.begin(), record.end());
     if (bin.buffer.size() >= buffer_bytes_) flush(bin);

@@ -52,7 +52,7 @@ class FacetBins {
 
   // After finish(). A node of the tree is a bin, has bins below it, or lies in a bin.
   bool is_split(const TreePlace& place) const { return !bin_at(place).children.empty(); }
-  uint64_t facets(const TreePlace& place) const { return bin_at(place).facets; }
+  uint64_t facets(const TreePlace& place) const { return bin_at(place).facets; }  // of parts an estimate
   // Calls f with each facet of a bin, with the facet as the grid sees it, and with its rays (none if it is ignored). Call once.
   void take(const TreePlace& place, const std::function<void(const BinnedFacet&, const Facet& moved, const RayRange&)>& f);
   uint64_t bytes() const { return end_; }  // ever written
@@ -80,6 +80,7 @@ class FacetBins {
   };
   GroupRange groups_of(const RayRange& rays) const;
   GroupRange groups_of(std::span<const uint8_t> record) const;
+  uint64_t facets_here(const TreePlace& place, const GroupRange& groups, const BinnedPart& part) const;
   void put(Bin& bin, const GroupRange& groups, std::span<const uint8_t> record);
   void flush(Bin& bin);
   void split_large(Bin& bin);
