@@ -21,7 +21,8 @@ bool any_touch(std::vector<PartBox> boxes) {
   std::vector<const PartBox*> open;
   for (const PartBox& b : boxes) {
     std::erase_if(open, [&](const PartBox* o) { return o->hi[0] < b.lo[0]; });
-    if ((tries += open.size()) > kMostTries) return true;
+    tries += open.size();
+    if (tries > kMostTries) return true;
     for (const PartBox* o : open)
       if (o->lo[1] <= b.hi[1] && b.lo[1] <= o->hi[1] && o->lo[2] <= b.hi[2] && b.lo[2] <= o->hi[2]) return true;
     open.push_back(&b);

@@ -272,7 +272,7 @@ SceneBody parse_body(const JsonNode& node, const MaterialIds& ids, const fs::pat
     body.name = n->text();
     if (body.name.size() > kMostName) n->fail(fmt::format("a name of at most {} bytes", kMostName));
   }
-  if (const auto n = node.find("part")) body.part = n->text();
+  if (const auto n = node.find("part")) body.part = n->any_text().empty() ? n->text() : n->any_text();  // a file may have any name
   if (const auto n = node.find("priority")) body.priority = n->integer(INT64_MIN, INT64_MAX);
   if (const auto n = node.find("fill")) body.fill = static_cast<Fill>(n->choice(kFillNames));
   if (const auto n = node.find("closing")) body.closing = closing_of(*n);

@@ -1,9 +1,9 @@
 #include "mesher/surface/part_path.hpp"
 
 #include <fnmatch.h>
-#include <locale.h>
 
 #include <algorithm>
+#include <iterator>
 #include <unordered_map>
 #include <unordered_set>
 #include <utility>
@@ -45,18 +45,38 @@ bool has_wildcard(std::string_view glob) {
   return false;
 }
 
-bool is_ascii(const std::string& text) {
+bool is_ascii(std::string_view text) {
   return std::ranges::all_of(text, [](char c) { return static_cast<unsigned char>(c) < 0x80; });
 }
 
-// ? and [...] stand for a character, which fnmatch() knows by the locale of the thread.
-bool fits(const std::string& glob, const std::string& text) {
-  static const locale_t utf8 = newlocale(LC_CTYPE_MASK, "C.UTF-8", nullptr);
-  const bool ascii = is_ascii(glob) && is_ascii(text);
-  const locale_t before = ascii || !utf8 ? nullptr : uselocale(utf8);
-  const bool out = fnmatch(glob.c_str(), text.c_str(), 0) == 0;
-  if (before) uselocale(before);
+// The characters of a text in UTF-8.
+std::vector<std::string_view> characters(std::string_view text) {
+  std::vector<std::string_view> out;
+  for (size_t i = 0, next; i < text.size(); i = next) {
+    for (next = i + 1; next < text.size() && (static_cast<unsigned char>(text[next]) & 0xc0) == 0x80;) ++next;
+    out.push_back(text.substr(i, next - i));
+  }
   return out;
+}
+
+// fnmatch() takes bytes for characters in the C locale, and at times in others. So the characters beyond ASCII that glob and text have are
+// given a byte each, in their order, which that of UTF-8 is. With more of them than bytes, ? and [...] stand for bytes.
+bool fits(const std::string& glob, const std::string& text) {
+  const auto match = [](const std::string& g, const std::string& t) { return fnmatch(g.c_str(), t.c_str(), 0) == 0; };
+  if (is_ascii(glob) && is_ascii(text)) return match(glob, text);
+  const std::vector<std::string_view> of_glob = characters(glob), of_text = characters(text);
+  std::vector<std::string_view> known;
+  for (const auto* list : {&of_glob, &of_text})
+    std::ranges::copy_if(*list, std::back_inserter(known), [](std::string_view c) { return !is_ascii(c); });
+  std::ranges::sort(known);
+  known.erase(std::ranges::unique(known).begin(), known.end());
+  if (known.size() > 0x80) return match(glob, text);
+  const auto coded = [&](const std::vector<std::string_view>& list) {
+    std::string out;
+    for (const std::string_view c : list) out += is_ascii(c) ? c[0] : static_cast<char>(0x80 + (std::ranges::lower_bound(known, c) - known.begin()));
+    return out;
+  };
+  return match(coded(of_glob), coded(of_text));
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 """Assemblies: the same cells as their parts placed by a scene, whatever the format; what `info` says of them."""
 import json
 import os
+import subprocess
 import zipfile
 
 import assemblies
@@ -123,6 +124,29 @@ class Assemblies(Case):
         self.assertEqual({p["path"]: p["instances"] for p in found["files"][1]["parts"]},
                          {"/plate": 1, "/left/bolt": 2, "/left/болт": 2, "/left/支持体/a\\/b \\[1]\\*": 2})
 
+    def test_bodies_in_any_order_may_take_parts_of_several_files(self):
+        files = {"m.glb": 0, "m.3mf": 0}
+        bodies = [{"name": f"{f} {p}", "mesh": f, "part": glob_of(p), "material": "steel"} for p, _, _ in self.parts for f in files]
+        mixed = self.mesh("mixed", bodies)
+        ordered = self.mesh("ordered", sorted(bodies, key=lambda b: b["mesh"] == "m.3mf"))
+        cells = [{b["name"]: b["cells"] for b in s["bodies"]} for s in (mixed, ordered)]
+        self.assertEqual(*[{name: n for name, n in c.items() if name.startswith("m.3mf")} for c in cells])
+
+    def test_names_in_no_encoding_and_names_too_long_are_found_again(self):
+        facets = "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
+        for i, name in enumerate((b"gr\xfcn", b"n" * 300, "名".encode() * 100, b"tab\x01bed")):
+            self.write("odd.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\ng " + name + b"\n" + facets.encode() + b"g other\n" + facets.encode())
+            self.run_ok("scene", "odd.obj", "-o", f"{i}.json")
+            self.run_ok("mesh", f"{i}.json", "--cells", 20, "-o", "a.tcell")
+            self.run_ok("mesh", "odd.obj", "--by-part", "--cells", 20, "-o", "b.tcell")
+            self.assertEqual(len(self.json_of("info", "b.tcell")["materials"]), 3)
+
+    def test_surfaces_without_a_unit_beside_one_that_states_it_are_named(self):
+        r = self.run_ok("mesh", "m.3mf", "0.stl", "--cells", 30, "-o", "a.tcell")
+        self.assertIn("0.stl states no unit: its coordinates are taken to be in m", r.err)
+        self.run_ok("scene", "m.glb", "--units", "mm", "-o", "mm.json")
+        self.assertEqual(self.read_json("mm.json")["units"], "mm")
+
     def test_info_of_surfaces(self):
         self.write("two.obj", "o a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\no b\nf 1 3 2\nf 1 2 4\nf 1 4 3\n")
         out = self.run_ok("info", "two.obj").out
@@ -130,6 +154,9 @@ class Assemblies(Case):
         self.assertIn("open: 3 edges", out)
         self.assertEqual([(p["path"], p["closed"], p["open_edges"]) for p in self.json_of("info", "two.obj")["files"][0]["parts"]],
                          [("/a", True, 0), ("/b", False, 3)])
+        os.mkfifo(self.path("pipe"))
+        with subprocess.Popen(["cp", self.path("two.obj"), self.path("pipe")]):
+            self.assertIn("pipe: OBJ, no unit stated, 2 parts", self.run_ok("info", "pipe").out)
         r = teracell("info", "nothing.stl", cwd=self.folder)
         self.assertEqual((r.status, "nothing.stl" in r.err), (1, True))
 

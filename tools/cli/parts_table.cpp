@@ -15,6 +15,7 @@
 #include "mesher/survey/survey_json.hpp"
 #include "store/grid/number_text.hpp"
 #include "store/text/text.hpp"
+#include "store/text/words.hpp"
 #include "tools/cli/command.hpp"
 
 namespace teracell::cli {

@@ -99,6 +99,15 @@ TEST_CASE("glTF: sparse accessors, numbers that are integers, strides, data in t
   CHECK(r.facets[3] == std::array<Vec3, 3>{{{1, 0, 0}, {0, 1, 0}, {0, 0, -1}}});
   CHECK_FALSE(r.file.float32);
 
+  const std::string indices =
+      replaced(replaced(gltf_json(kOneNode), R"("type":"SCALAR")",
+                        R"("type":"SCALAR","sparse":{"count":1,"indices":{"bufferView":2,"componentType":5121},"values":{"bufferView":3}})"),
+               R"("byteLength":24})", R"("byteLength":24},{"buffer":0,"byteOffset":72,"byteLength":1},{"buffer":0,"byteOffset":74,"byteLength":2})");
+  const std::string replacing = tetrahedron_buffer() + std::string(1, '\2') + std::string(1, '\0') + bytes_of(uint16_t{3});
+  CHECK(read(glb(indices, replacing)).facets[0] == std::array<Vec3, 3>{tetrahedron()[0][0], tetrahedron()[0][1], Vec3{0, 0, 0.5}});
+  CHECK_THAT(refusal(glb(replaced(indices, R"("componentType":5121})", R"("componentType":5126})"), replacing + "ab")),
+             Contains("accessors[1]: sparse: expected indices of 8, 16 or 32 bits without a sign"));
+
   const std::string text = replaced(gltf_json(kOneNode), R"({"byteLength":72})",
                                     R"({"byteLength":72,"uri":"data:application/octet-stream;base64,)" + base64(tetrahedron_buffer()) + "\"}");
   const Result in_text = read(text);
@@ -124,6 +133,11 @@ TEST_CASE("glTF: what is wrong is named with its place") {
   CHECK_THAT(refusal(gltf(R"("nodes":[{"mesh":0,"matrix":[1,0,0,1,0,1,0,0,0,0,1,0,0,0,0,1]}])")),
              Contains("nodes[0]: matrix: expected a matrix whose last row is 0 0 0 1"));
   CHECK_THAT(refusal(gltf(R"("nodes":[{"mesh":0,"rotation":[0,0,0,0]}])")), Contains("nodes[0]: rotation: expected a quaternion other than 0 0 0 0"));
+  CHECK_THAT(refusal(gltf(R"("nodes":[{"mesh":0,"rotation":[1e155,0,0,1e155]}])")), Contains("rotation: expected a quaternion whose length is from"));
+  CHECK_THAT(refusal(gltf(R"("nodes":[{"mesh":0,"translation":[1,0,0],"matrix":[1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1]}])")),
+             Contains("nodes[0]: matrix: expected no translation beside it"));
+  CHECK_THAT(refusal(json(R"({"byteLength":72})", R"({"byteLength":90})")), Contains("buffers[0]: cut short: expected 90 bytes, found 72"));
+  CHECK(read(gltf(R"("nodes":[{"mesh":0},{"mesh":7},{"children":[9]}],"scenes":[{"nodes":[0]},{"nodes":[1,2]}])")).facets == tetrahedron());
   CHECK_THAT(refusal(gltf(R"("nodes":[{"mesh":0,"scale":[1e300,1,1]}])")), Contains("part '/tet': a vertex where the part stands"));
   const auto beside = [&](const std::string& uri) {
     return refusal(replaced(gltf_json(kOneNode), R"({"byteLength":72})", R"({"byteLength":72,"uri":")" + uri + "\"}"));

@@ -49,6 +49,40 @@ TEST_CASE("3MF: components and items place objects, the outer last; mirrored fac
   CHECK(read(threemf(one_item(resources)), "/a").facets == tetrahedron());
 }
 
+TEST_CASE("3MF: what helps printing is left out, as an item and as a component, and said") {
+  for (const std::string type : {"support", "solidsupport", "other"}) {
+    const std::string helper = tetrahedron_object(2, "type=\"" + type + "\"");
+    const Result r =
+        read(threemf("<resources>" + tetrahedron_object(1, "name=\"a\"") + helper +
+                     "<object id=\"3\" name=\"b\"><components><component objectid=\"1\"/><component objectid=\"2\"/></components></object>"
+                     "</resources><build><item objectid=\"3\"/><item objectid=\"2\"/></build>"));
+    CHECK(r.facets == tetrahedron());
+    CHECK(r.file.patches == std::vector<std::string>{"/b/a"});
+    REQUIRE(r.file.warnings.size() == 1);
+    CHECK_THAT(r.file.warnings[0], Contains("2 places left out"));
+  }
+  CHECK_THAT(refusal(threemf("<resources>" + tetrahedron_object(1) + "</resources><build/>")),
+             Contains("holds no facet: <build> has no item, so none of the 1 object stands anywhere"));
+}
+
+TEST_CASE("3MF: elements may declare namespaces of their own, however many do") {
+  std::string objects;
+  for (int id = 2; id < 400; ++id)
+    objects += "<object id=\"" + std::to_string(id) + "\"><x:note xmlns:x=\"http://a/" + std::to_string(id) + "\"/></object>";
+  CHECK(read(threemf(one_item(tetrahedron_object(1) + objects))).facets == tetrahedron());
+}
+
+TEST_CASE("3MF: a coordinate that leaves its range when it is converted is refused") {
+  const std::string tiny = one_item(replaced(tetrahedron_object(1), "x=\"1\"", "x=\"2e-75\""));
+  CHECK(read(threemf(tiny, "unit=\"micron\"")).facets[1][1][0] == 2e-75);
+  try {
+    read(threemf(tiny, "unit=\"micron\""), "", {}, nullptr, "m");
+    FAIL("read");
+  } catch (const InputError& e) {
+    CHECK_THAT(e.what(), Contains("a vertex in the units of the scene: expected a coordinate that is 0 or has a magnitude from 1e-75"));
+  }
+}
+
 TEST_CASE("3MF: what is wrong is named with its line") {
   const auto [inside, message] = GENERATE(table<std::string, std::string>({
       {one_item("<object id=\"1\"><mesh><vertices><vertex x=\"0\" y=\"nan\" z=\"0\"/></vertices></mesh></object>"),

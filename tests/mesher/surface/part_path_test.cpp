@@ -31,6 +31,9 @@ TEST_CASE("Globs: a leading slash asks for the whole path, else the last name or
   CHECK_FALSE(matches("NUT", "/as1/nut"));
   CHECK(matches("a\\/b", "/x/a\\/b"));  // a name with a slash is told from two names
   CHECK_FALSE(matches("/x/a/b", "/x/a\\/b"));
+  CHECK(matches("?", "/a/ж"));  // a character, of however many bytes
+  CHECK(matches("支[一-龠]?", "/支持体"));
+  CHECK_FALSE(matches("???", "/ж"));
   CHECK(PartGlob("gear?").matches_name("gear1"));
   CHECK(PartGlob("/gear1").matches_name("gear1"));
   CHECK(PartGlob("/mesh 1").matches_name(""));
