@@ -271,19 +271,24 @@ Bodies read_bodies(const Scene& scene, int threads, const Budget& budget, bool c
 void close_bodies(const Scene& scene, const Grid& grid, const Budget& budget, Bodies& bodies, const std::function<void(double)>& progress) {
   ClosingGrid closing_grid{HUGE_VAL, {}};
   for (const Axis& axis : grid.axis) closing_grid.shortest_edge = std::min(closing_grid.shortest_edge, axis.shortest_cell());
+  constexpr size_t kMostLooks = 64;  // at all of a file: who has more open parts has read of it
+  size_t open_parts = 0;
   for (size_t b = 0; b < scene.bodies.size(); ++b) {
     const SceneBody& body = scene.bodies[b];
     BodyFacets& found = bodies.bodies[b];
     if (body.kind == Kind::kSheet) continue;
     progress(static_cast<double>(b) / static_cast<double>(scene.bodies.size()));
     if (body.closing.way == Closing::Way::kExtrude) closing_grid.beyond = beyond(body.closing.axis, grid, bodies.lo, bodies.hi);
+    open_parts += !body.part.empty() && !found.boundary.directed_boundary_is_empty();
     const Surface surface = {[&](const auto& f) { for_each_facet(body, found, bodies, budget, f); },
                              found.file.facets,
                              found.file.float32,
                              found.file.units,
                              bodies.in_memory,
                              found.boundary,
-                             found.opposites};
+                             found.opposites,
+                             open_parts <= kMostLooks,
+                             bodies.kept.get()};
     found.closed = close_body(body, surface, closing_grid, budget);
     if (!bodies.in_memory) continue;
     const ClosedBody& closed = found.closed;

@@ -44,7 +44,7 @@ std::vector<Flip> group_flips(const std::vector<BoundaryEdge>& edges, const Scen
 }
 
 // Whether other parts of the file use any boundary edge of this part.
-bool touches_other_parts(const SceneBody& body, const std::string& units, const std::vector<BoundaryEdge>& edges, const Budget& budget) {
+bool touches_other_parts(const SceneBody& body, const Surface& surface, const std::vector<BoundaryEdge>& edges, const Budget& budget) {
   const auto key = [](const Vec3& a, const Vec3& b) { return std::pair(std::min(a, b), std::max(a, b)); };
   std::vector<std::pair<std::pair<Vec3, Vec3>, uint64_t>> uses;
   for (const BoundaryEdge& e : edges) uses.push_back({key(e.from, e.to), e.uses});
@@ -60,7 +60,7 @@ bool touches_other_parts(const SceneBody& body, const std::string& units, const 
                     if (it != uses.end() && it->first == edge) found |= ++in_all[it - uses.begin()] > it->second;
                   }
               },
-              {.budget = budget, .units = units});
+              {.budget = budget, .units = surface.units, .kept = surface.kept});
   return found;
 }
 
@@ -76,7 +76,8 @@ class BodyCloser {
     choose_rules();
     stitch();
     if (body_.closing.way == Closing::Way::kStrict) refuse_what_is_open();
-    if (out_.was_open && !body_.part.empty() && !counted_once_) out_.cut_from_others = touches_other_parts(body_, surface_.units, edges_, budget_);
+    if (out_.was_open && !body_.part.empty() && !counted_once_ && surface_.look_around)
+      out_.cut_from_others = touches_other_parts(body_, surface_, edges_, budget_);
     edges_ = {};
     taking_part_ = {};
     close_what_is_open();

@@ -13,6 +13,8 @@
 
 namespace teracell::mesher {
 
+class KeptTrees;
+
 // The layer of a body's facets (compose.hpp): one for facets that count for the winding number, one for the parity.
 inline uint32_t layer_of(size_t body, bool parity) { return static_cast<uint32_t>(2 * body + parity); }
 inline uint32_t body_of_layer(uint32_t layer) { return (layer & ~kIgnored) / 2; }
@@ -65,6 +67,8 @@ struct Surface {
   bool in_memory;         // so a pass is cheap
   BoundaryProof boundary;
   bool opposites;         // a sample of the facets holds facets that lie on each other with opposite orientation
+  bool look_around;       // if it is an open part of a file, whether other parts go on where it ends; reads the file once more
+  KeptTrees* kept;        // that may hold the file; may be null
 };
 
 // What closing needs to know of the grid.
