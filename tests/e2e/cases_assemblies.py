@@ -75,6 +75,9 @@ class Assemblies(Case):
         self.assertEqual(edit, {"air": cells["air"], "plate": cells["/plate"], "bolt": cells["/left/bolt"] + cells["/right/bolt"],
                                 "болт": cells["/left/болт"] + cells["/right/болт"],
                                 "a/b [1]*": cells["/left/支持体/a\\/b \\[1]\\*"] + cells["/right/支持体/a\\/b \\[1]\\*"]})
+        r = teracell("scene", "m.glb", "-o", "edit.json", cwd=self.folder)
+        self.assertEqual((r.status, "edit.json: expected a name that no file has" in r.err), (2, True), r.err)
+        self.run_ok("scene", "m.3mf", "--cells", 50, "-o", "edit.json", "--force")
         os.mkdir(self.path("deep"))
         self.run_ok("scene", "m.glb", "0.stl", "--step", 0.25, "-o", "deep/edit.json")
         self.assertEqual([b["mesh"] for b in self.read_json("deep/edit.json")["bodies"]][-2:], ["../m.glb", "../0.stl"])

@@ -1,4 +1,6 @@
 // teracell scene: a scene to edit, with a body for each part of assemblies and surfaces.
+#include <filesystem>
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -19,6 +21,7 @@ struct SceneArguments {
   std::optional<int64_t> cells;
   std::optional<double> step;
   std::string units;
+  bool force = false;
 };
 
 void run(const SceneArguments& o) {
@@ -27,6 +30,10 @@ void run(const SceneArguments& o) {
   if (o.step && !(*o.step > 0)) throw UsageError(fmt::format("--step: expected a number above 0, found {}", *o.step));
   if (!o.units.empty() && !mesher::is_unit(o.units))
     throw UsageError(fmt::format("--units: expected m, cm, mm, um, nm, in or ft, found '{}'", o.units));
+  std::error_code ignored;
+  if (!o.force && std::filesystem::exists(o.output, ignored))
+    throw UsageError(
+        fmt::format("{}: expected a name that no file has, since scenes are edited by hand; found a file: --force replaces it", o.output));
   OutputFile file(o.output);
   const mesher::SceneText scene = mesher::scene_text({o.files.begin(), o.files.end()}, std::filesystem::path(o.output).parent_path(), o.cells, o.step,
                                                      o.units, mesher::modest_budget());
@@ -49,6 +56,7 @@ Run setup_scene(CLI::App& app) {
   app.add_option("--cells", o->cells, "cubic cells, this many along the longest axis with its pad (default 200)")->check(in_range(3, 2147483646));
   app.add_option("--step", o->step, "the edge of a cell, in the units of the scene, which are those that the first file states");
   app.add_option("--units", o->units, "m, cm, mm, um, nm, in or ft (default: those that the first file states, else m)");
+  app.add_flag("--force", o->force, "replaces the file that has the name");
   app.footer("Example:\n  teracell scene assembly.3mf --cells 1000 -o scene.json\n  teracell mesh scene.json -o assembly.tcell");
   return [o] { run(*o); };
 }
