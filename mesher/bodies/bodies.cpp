@@ -271,7 +271,7 @@ Bodies read_bodies(const Scene& scene, int threads, const Budget& budget, bool c
 void close_bodies(const Scene& scene, const Grid& grid, const Budget& budget, Bodies& bodies, const std::function<void(double)>& progress) {
   ClosingGrid closing_grid{HUGE_VAL, {}};
   for (const Axis& axis : grid.axis) closing_grid.shortest_edge = std::min(closing_grid.shortest_edge, axis.shortest_cell());
-  constexpr size_t kMostLooks = 64;  // at all of a file: who has more open parts has read of it
+  constexpr size_t kMostLooks = 64;  // each reads a whole file; the first open parts are enough to say what is wrong with such a file
   size_t open_parts = 0;
   for (size_t b = 0; b < scene.bodies.size(); ++b) {
     const SceneBody& body = scene.bodies[b];

@@ -1,6 +1,7 @@
 // glTF 2.0 and GLB: the tree of the default scene. A mesh with all its primitives is a part; its triangles, strips and fans become facets.
 // Points and lines are left out, and so is what moves vertices over time (skins, morph targets): shapes are as they are stored.
 #include <unordered_map>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -22,7 +23,9 @@ class Reader {
   }
 
   PartTree tree() {
-    std::vector<PartNode> nodes(gltf_.nodes().size());
+    const std::vector<uint32_t> at_root = gltf_.roots();
+    given_ = gltf_.take_nodes();
+    std::vector<PartNode> nodes(given_.size());
     std::vector<uint32_t> parents(nodes.size()), next;  // of the nodes that the scene has; others may be broken
     std::vector<PartNode::Use> roots;
     const auto use_of = [&](uint32_t node, const std::string& where) {
@@ -30,20 +33,22 @@ class Reader {
       next.push_back(node);
       return made;
     };
-    for (const uint32_t root : gltf_.roots()) roots.push_back(use_of(root, "scenes"));
+    roots.reserve(at_root.size());
+    for (const uint32_t root : at_root) roots.push_back(use_of(root, "scenes"));
     while (!next.empty()) {
       const uint32_t i = next.back();
       next.pop_back();
-      const GltfNode& n = gltf_.nodes()[i];
+      GltfNode& n = given_[i];
       const std::string where = fmt::format("nodes[{}]", i);
       PartNode& node = nodes[i];
-      node.name = n.name;
+      node.name = std::move(n.name);
       if (n.mesh) take_mesh(*n.mesh, node, where);
       if (node.name.empty()) node.name = node.product.empty() ? fmt::format("node {}", i) : node.product;
       for (const uint32_t child : n.children) node.uses.push_back(use_of(child, where));
     }
     if (left_out_ > 0)
       file_.warnings.push_back(fmt::format("{} of points and lines {} left out", plural(left_out_, "primitive"), left_out_ == 1 ? "was" : "were"));
+    given_ = {};
     return PartTree(gltf_.name(), std::move(shapes_), std::move(nodes), roots);
   }
 
@@ -52,7 +57,7 @@ class Reader {
   PartNode::Use use(uint32_t node, const std::string& where, std::vector<uint32_t>& parents) {
     if (node >= parents.size()) refuse(fmt::format("{}: expected the number of a node, found {} of {}", where, node, parents.size()));
     if (++parents[node] > 1) refuse(fmt::format("{}: expected a tree, in which a node has one parent; node {} has several", where, node));
-    Matrix m = gltf_.nodes()[node].matrix;
+    Matrix m = given_[node].matrix;
     for (size_t row = 0; row < 3; ++row) m[4 * row + 3] = file_.factor.of(checked_coordinate(m[4 * row + 3], gltf_.name()));
     return {node, m, ""};
   }
@@ -121,6 +126,7 @@ class Reader {
   [[noreturn]] void refuse(const std::string& why) const { throw InputError(fmt::format("{}: {}", gltf_.name(), why)); }
 
   GltfFile gltf_;
+  std::vector<GltfNode> given_;  // the file's nodes, while they become parts
   SurfaceFile& file_;
   Shapes shapes_;
   std::unordered_map<uint32_t, uint32_t> shape_of_, sets_;  // by the number of a mesh; of an accessor

@@ -94,6 +94,8 @@ std::string name_of(const JsonNode& j) {
   return name && name->is_string() ? std::string(first_bytes(utf8_of(name->any_text()), kLongestPartName)) : "";
 }
 
+bool is_unsigned(uint32_t component_type) { return component_type == 5121 || component_type == 5123 || component_type == 5125; }
+
 uint32_t index(const JsonNode& j) { return static_cast<uint32_t>(j.whole(kMostElements)); }
 std::optional<uint32_t> index(const JsonNode& j, std::string_view key) {
   const auto found = j.find(key);
@@ -289,12 +291,6 @@ const GltfFile::Accessor& GltfFile::at(uint32_t accessor) const {
 bool GltfFile::is_float(uint32_t accessor) const { return at(accessor).values.type == 5126; }
 
 // Calls take(numbers) with the components of each element.
-namespace {
-
-bool is_unsigned(uint32_t type) { return type == 5121 || type == 5123 || type == 5125; }
-
-}  // namespace
-
 template <class F>
 void GltfFile::read_numbers(const Stretch& from, uint64_t count, size_t components, bool normalized, const std::string& where, F&& take) {
   if (!from.view || *from.view >= views_.size()) refuse(where, "expected the number of a bufferView");

@@ -5,6 +5,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "mesher/surface/contents.hpp"
@@ -39,7 +40,7 @@ class GltfFile {
   GltfFile(Input& input, SurfaceFile& file, const Budget& budget);
 
   const std::string& name() const { return name_; }
-  const std::vector<GltfNode>& nodes() const { return nodes_; }
+  std::vector<GltfNode> take_nodes() { return std::move(nodes_); }  // after roots()
   const std::vector<GltfMesh>& meshes() const { return meshes_; }
   const std::vector<GltfMaterial>& materials() const { return materials_; }
   // The nodes at the root of the default scene, else of the first; of a file without scenes all nodes that are no children.

@@ -3,6 +3,7 @@
 #include <fnmatch.h>
 
 #include <algorithm>
+#include <deque>
 #include <iterator>
 #include <unordered_map>
 #include <unordered_set>
@@ -109,16 +110,19 @@ std::vector<std::string> names_of(std::string_view path) {
 std::vector<std::string> told_apart(std::vector<std::string> names) {
   std::unordered_map<std::string_view, uint64_t> used;  // how often, or the last number that was given
   for (const std::string& name : names) used.try_emplace(name);
-  std::unordered_set<std::string> given;
-  std::vector<std::pair<size_t, std::string>> renamed;
+  std::deque<std::string> others;  // the names that are given, where they stay
+  std::unordered_set<std::string_view> given;
+  std::vector<size_t> renamed;
   for (size_t i = 0; i < names.size(); ++i) {
     uint64_t& number = used[names[i]];
     if (++number == 1) continue;
-    std::string other;
-    while (used.contains(other = fmt::format("{}#{}", names[i], number)) || !given.insert(other).second) ++number;
-    renamed.emplace_back(i, std::move(other));
+    std::string& other = others.emplace_back();
+    do other = fmt::format("{}#{}", names[i], number);
+    while ((used.contains(other) || given.contains(other)) && ++number);
+    given.insert(other);
+    renamed.push_back(i);
   }
-  for (auto& [i, name] : renamed) names[i] = std::move(name);
+  for (size_t k = 0; k < renamed.size(); ++k) names[renamed[k]] = std::move(others[k]);
   return names;
 }
 

@@ -12,7 +12,7 @@ namespace {
 
 // A file of some kilobytes can describe a tree of any size, because nodes may be used more than once.
 constexpr size_t kMostParts = size_t{1} << 19, kMostVisited = 4 * kMostParts, kDeepestTree = 512;
-constexpr uint64_t kMostPathBytes = uint64_t{1} << 26;
+constexpr uint64_t kMostPathBytes = uint64_t{1} << 25;
 
 }  // namespace
 

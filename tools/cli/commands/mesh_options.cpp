@@ -126,8 +126,8 @@ mesher::Scene scene_from(const MeshArguments& o) {
     std::filesystem::path unsaid;
     scene.units = mesher::first_stated_unit(files, &unsaid);
     if (!unsaid.empty())
-      warn(fmt::format("{} states no unit: its coordinates are taken to be in {}, as another file states (a scene can scale it)", unsaid.string(),
-                       scene.units));
+      warn(fmt::format("warning: {} states no unit: its coordinates are taken to be in {}, as another file states (a scene can scale it)",
+                       unsaid.string(), scene.units));
   }
   if (!o.cells.empty() && o.step) throw UsageError("--cells and --step exclude each other: give one of them");
   mesher::GridOptions grid;
