@@ -11,8 +11,8 @@ namespace teracell::mesher {
 namespace {
 
 // A file of some kilobytes can describe a tree of any size, because nodes may be used more than once.
-constexpr size_t kMostParts = size_t{1} << 19, kMostVisited = 4 * kMostParts, kDeepestTree = 512;
-constexpr uint64_t kMostPathBytes = uint64_t{1} << 25;
+constexpr size_t kMostParts = size_t{1} << 18, kMostVisited = 4 * kMostParts, kDeepestTree = 512;
+constexpr uint64_t kMostPathBytes = uint64_t{1} << 24;
 
 }  // namespace
 
