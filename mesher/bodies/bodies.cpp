@@ -95,8 +95,9 @@ bool together(const Scene& scene, const Budget& budget) {
 // job per body, a scene of 100,000 bodies spent more time on handing over than on the work.)
 class BodyReader {
  public:
-  BodyReader(const Scene& scene, const Budget& budget, bool count, Bodies& out)
+  BodyReader(const Scene& scene, const ExactSurfaces& exact, const Budget& budget, bool count, Bodies& out)
       : scene_(scene),
+        exact_(exact),
         budget_(budget),
         together_(together(scene, budget)),
         most_(std::min(budget.bytes / 8 * 5 / kBytesPerFacet, together_ ? ~uint64_t{0} : kMostTogether)),
@@ -110,6 +111,7 @@ class BodyReader {
       const SceneBody& body = scene_.bodies[b];
       const uint32_t layer = layer_of(b, body.fill == Fill::kEvenodd);  // close_bodies() may change the layer
       BodyFacets& found = out_.bodies.emplace_back();
+      if (exact_.has(b)) found.cad = exact_.of_body[b];
       found.first = out_.in_memory ? out_.facets->size() : 0;
       found.file = read_facets(body.mesh, body.part,
                                [&](std::span<const Facet> facets) {
@@ -119,6 +121,8 @@ class BodyReader {
                                {.budget = budget_,
                                 .units = scene_.units,
                                 .kept = out_.kept.get(),
+                                .cad = cad_or_usual(found.cad),
+                                .face_patches = body.face_patches,
                                 .helper = out_.helper.get(),
                                 .expect = [&](uint64_t facets) { make_room(facets); },
                                 .enter_patch = [&](uint32_t patch) { patch_ = patch; }});
@@ -135,6 +139,7 @@ class BodyReader {
     hand_on();
     out_.helper->finish();
     study_->hand_over(out_);
+    if (exact_.box) take_exact_box();
     if (out_.in_memory) out_.kept->clear();
   }
 
@@ -179,6 +184,12 @@ class BodyReader {
   bool has_copies(size_t b, uint64_t more) const {
     KeptTree* kept = kept_of(scene_.bodies[b]);
     return kept && kept->tree->repeats(kept->taken += more);
+  }
+
+  void take_exact_box() {
+    out_.lo = (*exact_.box)[0], out_.hi = (*exact_.box)[1];
+    for (size_t b = 0; b < out_.bodies.size(); ++b)
+      if (!exact_.has(b)) extend(out_.lo, out_.hi, out_.bodies[b].lo), extend(out_.lo, out_.hi, out_.bodies[b].hi);
   }
 
   void make_room(uint64_t facets) {
@@ -230,6 +241,7 @@ class BodyReader {
   }
 
   const Scene& scene_;
+  const ExactSurfaces& exact_;
   const Budget& budget_;
   const bool together_;
   const uint64_t most_;
@@ -261,10 +273,11 @@ std::vector<SurfaceCounts> Bodies::wait_for_counts() {
   return *counts;
 }
 
-Bodies read_bodies(const Scene& scene, int threads, const Budget& budget, bool count, const std::function<void(double)>& progress) {
+Bodies read_bodies(const Scene& scene, const ExactSurfaces& exact, int threads, const Budget& budget, bool count,
+                   const std::function<void(double)>& progress) {
   Bodies out;
   out.helper = std::make_unique<Background>(threads > 1);
-  BodyReader(scene, budget, count, out).read(progress);
+  BodyReader(scene, exact, budget, count, out).read(progress);
   return out;
 }
 
@@ -288,7 +301,8 @@ void close_bodies(const Scene& scene, const Grid& grid, const Budget& budget, Bo
                              found.boundary,
                              found.opposites,
                              open_parts <= kMostLooks,
-                             bodies.kept.get()};
+                             bodies.kept.get(),
+                             cad_or_usual(found.cad)};
     found.closed = close_body(body, surface, closing_grid, budget);
     if (!bodies.in_memory) continue;
     const ClosedBody& closed = found.closed;
@@ -328,7 +342,12 @@ void for_each_placed(const Scene& scene, const Bodies& bodies, const Budget& bud
 
 void read_again(const SceneBody& body, const BodyFacets& found, const FacetSink& sink, ReadOptions options) {
   options.units = found.file.units;
+  options.cad = cad_or_usual(found.cad);
+  options.face_patches = body.face_patches;
   const SurfaceFile file = read_facets(body.mesh, body.part, sink, options);
+  if (file.cad && file.cad->hash != found.file.cad->hash)
+    throw InputError(fmt::format("{}: the CAD kernel made other facets while it was meshed: their hash was {} and is {} now", body.mesh.string(),
+                                 found.file.cad->hash, file.cad->hash));
   if (file.hash != found.file.hash)
     throw InputError(
         fmt::format("{}: the file changed while it was meshed: its hash was {} and is {} now", body.mesh.string(), found.file.hash, file.hash));

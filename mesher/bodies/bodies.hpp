@@ -3,6 +3,7 @@
 #include <functional>
 #include <memory>
 
+#include "mesher/bodies/exact_surfaces.hpp"
 #include "mesher/closing/closing.hpp"
 #include "mesher/closing/surface_counts.hpp"
 #include "mesher/compose/compose.hpp"
@@ -26,6 +27,7 @@ struct BodyFacets {
   std::optional<SurfaceCounts> counts;  // then, if its shapes tell them (part_counts.hpp)
   bool opposites = false;  // two facets of a sample have the same vertices and opposite orientations
   ClosedBody closed;       // by close_bodies()
+  std::shared_ptr<const CadOptions> cad;  // of exact surfaces: how they became facets
 };
 
 struct Bodies {
@@ -48,7 +50,9 @@ struct Bodies {
 // Reads every mesh, on one thread or two. Facets are kept in memory as long as they fit into `budget`; if they don't, they must be
 // read again later. `count`: whether to count what the surfaces in memory are made of. `progress` is called every few thousand facets with
 // the bodies read so far, as a share of 1.
-Bodies read_bodies(const Scene& scene, int threads, const Budget& budget, bool count, const std::function<void(double)>& progress);
+// The box is that of exact surfaces where they have one.
+Bodies read_bodies(const Scene& scene, const ExactSurfaces& exact, int threads, const Budget& budget, bool count,
+                   const std::function<void(double)>& progress);
 
 // Closes every solid (closing.hpp). The facets that this adds are appended to those in memory, except for walls.
 void close_bodies(const Scene& scene, const Grid& grid, const Budget& budget, Bodies& bodies, const std::function<void(double)>& progress);

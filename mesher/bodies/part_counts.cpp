@@ -30,10 +30,6 @@ bool any_touch(std::vector<PartBox> boxes) {
   return false;
 }
 
-bool flattens(const Matrix& m) {
-  return m[0] * (m[5] * m[10] - m[6] * m[9]) - m[1] * (m[4] * m[10] - m[6] * m[8]) + m[2] * (m[4] * m[9] - m[5] * m[8]) == 0;
-}
-
 }  // namespace
 
 std::optional<SurfaceCounts> part_counts(KeptTree& kept, const std::string& glob) {
@@ -42,7 +38,7 @@ std::optional<SurfaceCounts> part_counts(KeptTree& kept, const std::string& glob
   std::vector<PartBox> boxes;
   for (const uint32_t i : taken) {
     const Part& part = tree.parts()[i];
-    if (flattens(part.matrix)) return std::nullopt;
+    if (determinant(part.matrix) == 0) return std::nullopt;
     PartBox& box = boxes.emplace_back();
     tree.for_each_vertex(part, [&](const Vec3& v) { extend(box.lo, box.hi, v); });
   }

@@ -60,7 +60,7 @@ bool touches_other_parts(const SceneBody& body, const Surface& surface, const st
                     if (it != uses.end() && it->first == edge) found |= ++in_all[it - uses.begin()] > it->second;
                   }
               },
-              {.budget = budget, .units = surface.units, .kept = surface.kept});
+              {.budget = budget, .units = surface.units, .kept = surface.kept, .cad = surface.cad});
   return found;
 }
 

@@ -10,6 +10,7 @@
 #include "mesher/closing/shells.hpp"
 #include "mesher/closing/stitch.hpp"
 #include "mesher/engines/engine.hpp"
+#include "mesher/surface/read_options.hpp"
 
 namespace teracell::mesher {
 
@@ -69,6 +70,7 @@ struct Surface {
   bool opposites;         // a sample of the facets holds facets that lie on each other with opposite orientation
   bool look_around;       // if it is an open part of a file, whether other parts go on where it ends; reads the file once more
   KeptTrees* kept;        // that may hold the file; may be null
+  std::shared_ptr<const CadOptions> cad = cad_or_usual(nullptr);  // of exact surfaces
 };
 
 // What closing needs to know of the grid.

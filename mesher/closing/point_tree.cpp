@@ -1,5 +1,7 @@
 #include "mesher/closing/point_tree.hpp"
 
+#include <algorithm>
+#include <algorithm>
 #include <numeric>
 
 namespace teracell::mesher {

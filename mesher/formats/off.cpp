@@ -8,6 +8,7 @@
 #include "mesher/surface/readers.hpp"
 #include "mesher/surface/spill_table.hpp"
 #include "store/base/error.hpp"
+#include "store/text/text.hpp"
 
 namespace teracell::mesher {
 namespace {

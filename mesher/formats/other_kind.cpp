@@ -27,7 +27,6 @@ struct Signature {
 
 constexpr Signature kSignatures[] = {
     // surfaces and solids
-    {0, "ISO-10303-21", "a STEP file", kExport},
     {0, "DBRep_DrawableShape", "an Open CASCADE BREP file", kExport},
     {0, "CASCADE Topology V", "an Open CASCADE BREP file", kExport},
     {0, "Open CASCADE Topology V", "an Open CASCADE BREP file", kExport},

@@ -1,6 +1,7 @@
 #include "mesher/report/make_report.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 #include <utility>
 
@@ -58,6 +59,24 @@ BodyReport body_report(const Scene& scene, size_t b, BodyFacets&& found, const S
   if (ThinParts::wanted(body, count_thin)) {
     out.lost.emplace();
     for (int axis = 0; axis < 3; ++axis) (*out.lost)[axis] = lost_report(key(What::kStretches, axis), grid, totals.tallies);
+  }
+  return out;
+}
+
+// Where the body's matrix puts the parts.
+CadReport cad_report(const SceneBody& body, const SurfaceFile& file, size_t& parts_left) {
+  const double volume = std::abs(determinant(body.matrix));
+  CadReport out{file.cad->kernel, file.cad->key, file.cad->hash, file.cad->deflection, file.cad->angle, {}, 0};
+  for (const CadPart& p : file.cad_parts) {
+    if (parts_left == 0) {
+      ++out.parts_left_out;
+      continue;
+    }
+    --parts_left;
+    CadPartReport& part = out.parts.emplace_back(CadPartReport{p.path, p.instances, p.shape.faces, p.shape.faces_without_facets, p.shape.closed,
+                                                               std::abs(p.shape.facet_volume) * volume, p.shape.kernel_volume, p.shape.sender_volume});
+    for (std::optional<double>* v : {&part.kernel_volume, &part.sender_volume})
+      if (*v) **v *= volume;
   }
   return out;
 }
@@ -136,10 +155,11 @@ Report make_report(const Scene& scene, Bodies&& bodies, const std::vector<Surfac
   out.axis = plan.rays.axis;
   out.axis_asked_for = plan.rays.asked_for;
   out.crossings_expected = plan.rays.crossings;
+  size_t parts_left = 10'000;  // in the report
   for (size_t b = 0; b < scene.bodies.size(); ++b) {
     BodyFacets& found = bodies.bodies[b];
-    out.inputs.push_back(
-        {scene.bodies[b].mesh_text, found.file.format, found.file.hash, found.file.bytes, found.file.unit, found.file.factor.value()});
+    out.inputs.push_back({scene.bodies[b].mesh_text, found.file.format, found.file.hash, found.file.bytes, found.file.unit,
+                          found.file.factor.value(), found.file.cad ? std::optional(cad_report(scene.bodies[b], found.file, parts_left)) : std::nullopt});
     out.bodies.push_back(body_report(scene, b, std::move(found), counts[b], plan, totals, count_thin));
   }
   bodies.bodies = {};

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "mesher/surface/read_options.hpp"
 #include "mesher/tiles/shards.hpp"
 #include "store/channels/mixed_cells.hpp"
 
@@ -24,6 +25,7 @@ struct MeshOptions {
   bool resume = false;               // go on with what a killed run has left, if it has left anything
   double checkpoint_seconds = 1;     // at least so many between two checkpoints
   std::optional<Shard> shard;        // make this part of the grid alone; merge.hpp puts parts together
+  CadOptions cad;                    // what the CAD kernel may take; deflection and angle are the scene's
   uint32_t chunk_rays = 64;          // a chunk has chunk_rays x chunk_rays rays
 };
 

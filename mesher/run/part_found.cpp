@@ -51,6 +51,25 @@ class Take {
   ByteReader& in_;
 };
 
+template <class Way, class T>
+void or_nothing(Way& way, T& number) {
+  bool there = number.has_value();
+  double value = number.value_or(0);
+  way(there), way(value);
+  if constexpr (!std::is_const_v<T>) number = there ? std::optional(value) : std::nullopt;
+}
+
+// What the CAD kernel said, without what was said of parts that are not taken.
+template <class Way, class File>
+void put_cad(Way& way, File& file) {
+  bool there = file.cad != nullptr;
+  way(there);
+  if (!there) return;
+  CadFacts facts = file.cad ? CadFacts{file.cad->kernel, file.cad->key, file.cad->hash, file.cad->deflection, file.cad->angle, {}} : CadFacts{};
+  way(facts.kernel), way(facts.key), way(facts.hash), way(facts.deflection), way(facts.angle), way(file.cad_parts);
+  if constexpr (!std::is_const_v<File>) file.cad = std::make_shared<const CadFacts>(std::move(facts));
+}
+
 // The fields of `T`, const or not.
 template <class Way, class T>
 void fields(Way& way, T& item) {
@@ -72,9 +91,13 @@ void fields(Way& way, T& item) {
     all(item.edges);
   } else if constexpr (std::is_same_v<Item, SurfaceCounts>) {
     all(item.degenerate, item.duplicates, item.opposite, item.shells);
+  } else if constexpr (std::is_same_v<Item, CadPart>) {
+    all(item.path, item.instances, item.shape.faces, item.shape.faces_without_facets, item.shape.closed, item.shape.facet_volume, item.shape.facet_area);
+    or_nothing(way, item.shape.kernel_volume), or_nothing(way, item.shape.sender_volume);
   } else if constexpr (std::is_same_v<Item, BodyFacets>) {
     all(item.file.format, item.file.bytes, item.file.hash, item.file.facets, item.file.warnings);
     all(item.file.unit, item.file.factor.p, item.file.factor.q);
+    put_cad(way, item.file);
     place(item.lo), place(item.hi);
     auto& closed = item.closed;
     all(closed.fill, closed.was_open, closed.holes, closed.flips, closed.stitch, closed.cut_from_others);

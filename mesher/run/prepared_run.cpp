@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "mesher/cad/cad_model.hpp"
 #include "mesher/closing/trust.hpp"
 #include "mesher/engines/engines.hpp"
 #include "mesher/scene/placement.hpp"
@@ -41,8 +42,13 @@ PreparedRun::PreparedRun(const Scene& of, const std::filesystem::path& output, c
       progress_(progress),
       stop_(stop) {
   give_back_memory();
-  bodies =
-      read_bodies(scene, options.count_aside ? std::max(2, threads) : threads, budget, counts, [&](double share) { this->progress("read", share); });
+  CadOptions cad = options.cad;
+  cad.threads = threads;
+  if (cad.cache.empty()) cad.cache = options.tmp.empty() ? options.tmp : options.tmp / "teracell-cad";
+  cad.waiting = [&](double share) { this->progress("facets", share); };
+  bodies = read_bodies(scene, plan_exact_surfaces(scene, cad, budget), options.count_aside ? std::max(2, threads) : threads, budget, counts,
+                       [&](double share) { this->progress("read", share); });
+  end_idle_kernels();
   give_back_memory();
   end_phase("read");
   plan = make_plan(scene, bodies, options.axis, options.chunk_rays, options.fractions, options.links);
@@ -109,7 +115,9 @@ std::string PreparedRun::identity() const {
   std::string inputs;
   write_list(inputs, scene.bodies.size(), ~size_t{0}, [&](JsonWriter& writer, size_t b) {
     const SurfaceFile& file = bodies.bodies[b].file;
-    writer.begin_object().field("bytes", file.bytes).field("hash", file.hash).end_object();
+    writer.begin_object().field("bytes", file.bytes).field("hash", file.hash);
+    if (file.cad) writer.field("facets", file.cad->hash);
+    writer.end_object();
   });
   nlohmann::ordered_json rest = {{"axis", axis_name(plan.meta.ray_axis)},
                                  {"axis_asked_for", plan.rays.asked_for},

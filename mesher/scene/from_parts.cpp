@@ -24,11 +24,11 @@ struct Leaf {
   std::string color, material;
 };
 
-std::vector<Leaf> leaves_of(const std::filesystem::path& file, const Budget& budget) {
+std::vector<Leaf> leaves_of(const std::filesystem::path& file, const Budget& budget, const CadOptions& cad) {
   std::vector<Leaf> out;
   Input input(file);
   KeptTree kept;
-  if (kept.open(input, {.budget = budget})) {
+  if (kept.open(input, {.budget = budget, .cad = std::make_shared<const CadOptions>(cad), .outline = true})) {
     for (const Part& part : kept.tree->parts()) out.push_back({part.path, kept.tree->node(part).color, kept.tree->node(part).material});
     if (out.empty()) refuse_empty(file.string(), kept.file);
     return out;
@@ -82,13 +82,13 @@ std::string quoted(const std::string& text) { return Json(utf8_of(text)).dump();
 
 }  // namespace
 
-Scene scene_by_part(const std::vector<std::filesystem::path>& files, const Budget& budget) {
+Scene scene_by_part(const std::vector<std::filesystem::path>& files, const Budget& budget, const CadOptions& cad) {
   Scene scene;
   scene.materials.push_back({"air", kBackgroundColor});
   NameBook names;
   names.take("air");
   for (const std::filesystem::path& file : files)
-    for (const Leaf& leaf : leaves_of(file, budget)) {
+    for (const Leaf& leaf : leaves_of(file, budget, cad)) {
       const auto id = static_cast<uint32_t>(scene.materials.size());
       if (id > kMaxMaterials)
         throw UsageError(
@@ -108,14 +108,14 @@ Scene scene_by_part(const std::vector<std::filesystem::path>& files, const Budge
 }
 
 SceneText scene_text(const std::vector<std::filesystem::path>& files, const std::filesystem::path& folder, std::optional<int64_t> cells,
-                     std::optional<double> step, const std::string& units, const Budget& budget) {
+                     std::optional<double> step, const std::string& units, const Budget& budget, const CadOptions& cad) {
   SceneText out;
   NameBook names;
   Materials materials;
   std::string bodies;
   for (const std::filesystem::path& file : files) {
     const std::string mesh = std::filesystem::proximate(file, folder.empty() ? "." : folder).string();
-    for (const Leaf& leaf : leaves_of(file, budget)) {
+    for (const Leaf& leaf : leaves_of(file, budget, cad)) {
       const std::string name = body_name(leaf, file, names);
       bodies += fmt::format("{}    {{\"name\": {}, \"mesh\": {}, {}\"material\": {}}}", out.bodies++ > 0 ? ",\n" : "", quoted(name), quoted(mesh),
                             leaf.path.empty() ? "" : fmt::format("\"part\": {}, ", quoted(leaf.path)), quoted(materials.of(leaf, name)));

@@ -262,7 +262,7 @@ Closing closing_of(const JsonNode& node) {
 }
 
 SceneBody parse_body(const JsonNode& node, const MaterialIds& ids, const fs::path& folder) {
-  node.check_keys({"name", "mesh", "part", "material", "priority", "fill", "closing", "stitch", "kind", "thin", "patches", "matrix", "scale",
+  node.check_keys({"name", "mesh", "part", "material", "priority", "fill", "closing", "stitch", "kind", "thin", "deflection", "angle", "face_patches", "patches", "matrix", "scale",
                    "rotate", "translate"});
   SceneBody body;
   body.mesh = folder / node.require("mesh").text();
@@ -286,6 +286,21 @@ SceneBody parse_body(const JsonNode& node, const MaterialIds& ids, const fs::pat
     throw UsageError(fmt::format(
         "{}: fill, closing, stitch and thin are for solids only: a sheet is not filled, closed or stitched, and no part of it is lost between sample points",
         node.where()));
+  if (const auto n = node.find("deflection")) {
+    if (n->is_string()) {
+      const auto parsed = parse_deflection(n->text());
+      if (!parsed || !parsed->in_cells) n->fail("a length, or cells such as \"0.1c\"");
+      body.deflection = *parsed;
+    } else {
+      body.deflection = {n->positive(), false};
+    }
+    if (!(body.deflection.value <= 1e75)) n->fail("a length up to 1e75");
+  }
+  if (const auto n = node.find("angle")) {
+    body.angle = n->number();
+    if (!is_chord_angle(body.angle)) n->fail("degrees from 0.1 to 90");
+  }
+  if (const auto n = node.find("face_patches")) body.face_patches = n->boolean();
   if (const auto n = node.find("patches")) body.patches = n->boolean();
   body.matrix = parse_matrix(node);
   return body;
@@ -354,6 +369,10 @@ void write_body(JsonWriter& out, const Scene& scene, const SceneBody& b) {
   if (b.stitch) out.field("stitch", *b.stitch);
   if (b.kind == Kind::kSheet) out.field("kind", "sheet");
   if (b.thin == Thin::kKeep) out.field("thin", "keep");
+  if (b.deflection.in_cells && b.deflection != Deflection{}) out.field("deflection", fmt::format("{}c", b.deflection.value));
+  if (!b.deflection.in_cells) out.field("deflection", b.deflection.value);
+  if (b.angle != SceneBody{}.angle) out.field("angle", b.angle);
+  if (b.face_patches) out.key("face_patches").raw("true");
   if (!b.patches) out.key("patches").raw("false");
   out.field("matrix", b.matrix).end_object();
 }
@@ -370,6 +389,15 @@ std::optional<Closing> parse_closing(std::string_view text) {
   const auto axis = axis_named(text.substr(kPrefix.size() + 1));
   if (!axis || (sign != '+' && sign != '-')) return std::nullopt;
   return Closing{kExtrude, *axis, sign == '+'};
+}
+
+std::optional<Deflection> parse_deflection(std::string_view text) {
+  Deflection out;
+  out.in_cells = text.ends_with('c');
+  if (out.in_cells) text.remove_suffix(1);
+  const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), out.value);
+  if (error != std::errc{} || stop != text.data() + text.size() || !(out.value > 0 && out.value <= 1e75)) return std::nullopt;
+  return out;
 }
 
 // What people write for each other.

@@ -37,6 +37,13 @@ struct SceneMaterial {
   friend bool operator==(const SceneMaterial&, const SceneMaterial&) = default;
 };
 
+// The largest distance between an exact surface and its facets.
+struct Deflection {
+  double value = 0.1;
+  bool in_cells = true;  // times the shortest cell edge; else a length in the grid's units
+  friend bool operator==(const Deflection&, const Deflection&) = default;
+};
+
 struct SceneBody {
   std::string name;
   std::filesystem::path mesh;  // resolved against the scene file's folder
@@ -50,6 +57,9 @@ struct SceneBody {
   Kind kind = Kind::kSolid;
   Thin thin = Thin::kIgnore;
   Matrix matrix = kIdentity;
+  Deflection deflection;  // of exact surfaces, as STEP files have them; and the angle between neighbouring chords, in degrees
+  double angle = 12;
+  bool face_patches = false;  // so are faces of a part that have a colour of their own
   bool patches = true;  // groups, objects and solids of the mesh are patches of their own
   friend bool operator==(const SceneBody&, const SceneBody&) = default;
 };
@@ -91,6 +101,10 @@ struct GridOptions {
 // The closing for "cap", "strict" or "extrude:-z" (+ or -, then x, y or z); empty for any other text.
 std::optional<Closing> parse_closing(std::string_view text);
 
+inline bool is_chord_angle(double degrees) { return degrees >= 0.1 && degrees <= 90; }
+// A length ("0.05") or a number of cells ("0.1c"); empty for any other text.
+std::optional<Deflection> parse_deflection(std::string_view text);
+
 // The meshes need not exist yet. Throws UsageError when the scene is wrong (file, place, expected, found), IoError when the
 // scene or its planes_file can't be read, and InputError, with the line, when the planes_file is wrong.
 Scene read_scene(const std::filesystem::path& path);
@@ -110,7 +124,7 @@ Scene bare_scene(const std::vector<std::filesystem::path>& meshes);
 void override_grid(Scene& scene, const GridOptions& options);
 
 // The scene as JSON in a normal form: defaults are written out, and a matrix takes the place of scale, rotate and translate.
-// `stitch`, `kind`, `thin` and `patches` are written only where they are not the default. Parsing the text gives an equal scene. Bodies
+// `stitch`, `kind`, `thin`, `deflection`, `angle`, `face_patches` and `patches` are written only where they are not the default. Parsing the text gives an equal scene. Bodies
 // that don't fit into `most` bytes are left out, and their number is written instead.
 std::string normalised(const Scene& scene, size_t most = ~size_t{0});
 

@@ -4,11 +4,14 @@
 #include <cmath>
 #include <cstdint>
 #include <functional>
+#include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "mesher/surface/matrix.hpp"
 #include "mesher/surface/units.hpp"
 #include "store/grid/grid.hpp"
 
@@ -16,6 +19,26 @@ namespace teracell::mesher {
 
 struct Facet {
   std::array<Vec3, 3> vertex;
+};
+
+// What the CAD kernel says of a solid or a shell, in the units that the file was read in.
+struct CadShape {
+  uint64_t faces = 0, faces_without_facets = 0;
+  bool closed = false;                                 // its facets are
+  double facet_volume = 0, facet_area = 0;
+  std::optional<double> kernel_volume, sender_volume;  // of the exact shape; what the file says of it
+};
+struct CadFacts {
+  std::string kernel;     // "OpenCASCADE 7.6.3"
+  std::string key, hash;  // of file, kernel and options, by which the facets are kept; of the facets
+  double deflection, angle;
+  std::vector<CadShape> shapes;
+};
+// Parts that a body takes of one shape and scale.
+struct CadPart {
+  std::string path;  // of the first
+  uint64_t instances = 1;
+  CadShape shape;
 };
 
 // What reading a surface file found, besides its facets.
@@ -29,11 +52,19 @@ struct SurfaceFile {
   std::string unit;                 // that the file states: m, cm, mm, um, nm, in or ft; empty when it states none
   Factor factor;                    // by which coordinates and translations were multiplied
   std::string units;                // that ReadOptions asked for
+  std::shared_ptr<const CadFacts> cad;  // of a STEP file
+  std::vector<CadPart> cad_parts;       // those passed to the sink
   // Names of STL solids, or of OBJ groups and objects, in the file's order, not only those that match; up to some megabytes.
   std::vector<std::string> parts;
   // Names of the patches that facets passed to the sink belong to, in the order of their first facets; "" where none is named.
   std::vector<std::string> patches;
   std::vector<std::string> warnings;  // what was skipped or tolerated: one sentence per kind, without the file's name
+};
+
+// Parts of a file that a body takes, and where it puts them.
+struct TakenParts {
+  std::string glob;
+  Matrix matrix;
 };
 
 // Receives facets in the file's order, at most some thousands per call. The span is valid only during the call.

@@ -21,10 +21,12 @@ Matrix product(const Matrix& outer, const Matrix& inner) {
   return out;
 }
 
-bool mirrors(const Matrix& m) {
+double determinant(const Matrix& m) {
   const double x = m[5] * m[10] - m[6] * m[9], y = m[4] * m[10] - m[6] * m[8], z = m[4] * m[9] - m[5] * m[8];
-  return (m[0] * x - m[1] * y) + m[2] * z < 0;
+  return (m[0] * x - m[1] * y) + m[2] * z;
 }
+
+bool mirrors(const Matrix& m) { return determinant(m) < 0; }
 
 Matrix placement(const Vec3& t, const std::array<double, 4>& quaternion, const Vec3& s) {
   auto [x, y, z, w] = quaternion;

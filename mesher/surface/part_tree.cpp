@@ -31,8 +31,8 @@ void Shapes::add_vertex(const Vec3& v, const Factor& by, const std::string& wher
   add_vertex(out);
 }
 
-uint32_t Shapes::begin_shape() {
-  shapes_.emplace_back();
+uint32_t Shapes::begin_shape(bool stands_for_facets) {
+  shapes_.emplace_back().stands_for_facets = stands_for_facets;
   return static_cast<uint32_t>(shapes_.size() - 1);
 }
 
@@ -43,6 +43,7 @@ void Shapes::add_triangle(uint32_t set, const std::array<uint32_t, 3>& numbers) 
     shape.float32 = shape.float32 && sets_[set].float32;
   }
   ++shape.stretches.back().count;
+  if (!shape.groups.empty()) ++shape.groups.back().facets;
   ++shape.facets;
   triangles_.push_back(numbers);
 }
@@ -71,7 +72,7 @@ void PartTree::visit(const std::vector<PartNode::Use>& uses, const std::string& 
     const PartNode& node = nodes_[uses[i].node];
     const std::string path = path_below(above, names[i]);
     const Matrix placed = uses[i].matrix == kIdentity ? matrix : matrix == kIdentity ? uses[i].matrix : product(matrix, uses[i].matrix);
-    if (node.shape && shapes_.facets(*node.shape) > 0) {
+    if (node.shape && shapes_.is_part(*node.shape)) {
       path_bytes_ += path.size();
       if (parts_.size() == kMostParts || path_bytes_ > kMostPathBytes)
         throw InputError(fmt::format("{}: expected at most {} parts with {} bytes of names along their paths, found more, the first of them at {}",

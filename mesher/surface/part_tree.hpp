@@ -15,6 +15,12 @@
 
 namespace teracell::mesher {
 
+// Facets of a shape that follow each other and whose faces have one colour.
+struct ColorGroup {
+  std::string color;  // "#rrggbb"; empty: that of the part
+  uint64_t facets;
+};
+
 // The facets of all shapes of a file, in its coordinates.
 class Shapes {
  public:
@@ -30,11 +36,16 @@ class Shapes {
   uint64_t vertices(uint32_t set) const { return (set + 1 < sets_.size() ? sets_[set + 1].first : vertices_.size()) - sets_[set].first; }
 
   // A new shape, to which triangles are added until the next call.
-  uint32_t begin_shape();
+  uint32_t begin_shape(bool stands_for_facets = false);
+  // The triangles that follow are of faces with this colour ("": that of the part). Not called: all have that of the part.
+  void begin_group(std::string color) { shapes_.back().groups.push_back({std::move(color), 0}); }
   // REQUIRES: the numbers are below vertices(set).
   void add_triangle(uint32_t set, const std::array<uint32_t, 3>& numbers);
   uint64_t facets(uint32_t shape) const { return shapes_[shape].facets; }
+  // Whether a part of this shape counts as one.
+  bool is_part(uint32_t shape) const { return shapes_[shape].facets > 0 || shapes_[shape].stands_for_facets; }
   bool float32(uint32_t shape) const { return shapes_[shape].float32; }
+  const std::vector<ColorGroup>& groups(uint32_t shape) const { return shapes_[shape].groups; }
   // Calls f(a, b, c) with the vertices of each facet, in the order in which they were added.
   template <class F>
   void for_each(uint32_t shape, F&& f) {
@@ -60,8 +71,10 @@ class Shapes {
   };
   struct Shape {
     std::vector<Stretch> stretches;
+    std::vector<ColorGroup> groups;
     uint64_t facets = 0;
     bool float32 = true;
+    bool stands_for_facets = false;  // that were not made
   };
   static Budget at_most(Budget budget) {
     budget.bytes = std::min(budget.bytes, uint64_t{1} << 30);
@@ -115,6 +128,7 @@ class PartTree {
   std::vector<uint32_t> matching(const PartGlob& glob);
   bool float32(const Part& part) const { return part.matrix == kIdentity && shapes_.float32(*node(part).shape); }
   uint64_t facets(const Part& part) const { return shapes_.facets(*node(part).shape); }
+  const std::vector<ColorGroup>& groups(const Part& part) const { return shapes_.groups(*node(part).shape); }
   // Most parts are copies of others, and there are so many of them that their facets are worth having once (a thousand bolts).
   bool repeats() const { return repeats(facets_); }
   bool repeats(uint64_t facets) const { return facets > kFewFacets && facets / 4 > shapes_.facets(); }  // of so many facets of parts

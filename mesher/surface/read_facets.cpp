@@ -44,7 +44,7 @@ Head head_of(Input& input) {
   return head;
 }
 
-// "STL, OBJ, PLY, OFF, 3MF or glTF": the formats in the order of the readers.
+// "STL, OBJ, PLY, OFF, 3MF, glTF or STEP": the formats in the order of the readers.
 std::string known_formats() {
   std::vector<std::string> names;
   for (const SurfaceReader* reader : kReaders)
@@ -83,7 +83,7 @@ SurfaceFile read_parts(KeptTree& kept, const std::string& part, const FacetSink&
   SurfaceFile file = kept.file;
   const PartGlob glob(part);
   FacetStream out(glob, sink, options.enter_patch);
-  out.add_parts(*kept.tree, file, options.take_part);
+  out.add_parts(*kept.tree, file, options);
   out.finish(kept.tree->name(), file);
   return file;
 }
@@ -92,9 +92,11 @@ SurfaceFile read_parts(KeptTree& kept, const std::string& part, const FacetSink&
 
 void KeptTree::open(Input& input, const SurfaceReader& reader, const ReadOptions& options) {
   *this = {};
-  tree = std::make_shared<PartTree>(reader.open(input, file, options));
+  const auto make = options.outline && reader.exact.outline ? reader.exact.outline : reader.open;
+  tree = std::make_shared<PartTree>(make(input, file, options));
   describe(input, options.units, file);
   name = input.name(), units = options.units;
+  if (file.cad) deflection = options.cad->deflection, angle = options.cad->angle;
 }
 
 bool KeptTree::open(Input& input, const ReadOptions& options) {
@@ -103,8 +105,11 @@ bool KeptTree::open(Input& input, const ReadOptions& options) {
   return reader.open;
 }
 
-KeptTree* KeptTrees::find(const std::string& name, const std::string& units) {
-  const auto found = std::ranges::find_if(trees_, [&](const KeptTree& t) { return t.name == name && t.units == units; });
+KeptTree* KeptTrees::find(const std::string& name, const ReadOptions& options) {
+  const auto found = std::ranges::find_if(trees_, [&](const KeptTree& t) {
+    return t.name == name && t.units == options.units &&
+           (!t.file.cad || (t.deflection == options.cad->deflection && t.angle == options.cad->angle));
+  });
   if (found == trees_.end()) return nullptr;
   trees_.splice(trees_.begin(), trees_, found);
   return &trees_.front();
@@ -138,6 +143,19 @@ SurfaceFile read_facets(Input& input, const std::string& part, const FacetSink& 
   return file;
 }
 
+bool has_exact_surfaces(const std::filesystem::path& path) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(path, ignored)) return false;
+  Input input(path);
+  const Head head = head_of(input);
+  return std::ranges::any_of(kReaders, [&](const SurfaceReader* r) { return r->exact.box && r->recognises(head) == Match::kSure; });
+}
+
+std::optional<std::array<Vec3, 2>> exact_box(const std::filesystem::path& path, const std::vector<TakenParts>& taken, const ReadOptions& options) {
+  Input input(path);
+  return reader_of(input).exact.box(input, taken, options);
+}
+
 std::string stated_unit(const std::filesystem::path& path) {
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(path, ignored)) return "";
@@ -161,7 +179,7 @@ std::string first_stated_unit(const std::vector<std::filesystem::path>& paths, s
 
 SurfaceFile read_facets(const std::filesystem::path& path, const std::string& part, const FacetSink& sink, const ReadOptions& options) {
   if (options.kept)
-    if (KeptTree* kept = options.kept->find(path.string(), options.units)) return read_parts(*kept, part, sink, options);
+    if (KeptTree* kept = options.kept->find(path.string(), options)) return read_parts(*kept, part, sink, options);
   Input input(path);
   return read_facets(input, part, sink, options);
 }

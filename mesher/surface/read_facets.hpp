@@ -1,4 +1,4 @@
-// Reads a surface file as a stream of facets. Formats: STL (binary, ASCII), OBJ, PLY (ASCII, binary in either byte order), OFF, 3MF and glTF,
+// Reads a surface file as a stream of facets. Formats: STL (binary, ASCII), OBJ, PLY (ASCII, binary in either byte order), OFF, 3MF, glTF and STEP,
 // each plain or compressed by gzip. The format is recognised from the content, never from the name.
 //
 // Vertices are doubles that hold exactly what the file declares: numbers of an ASCII STL and PLY `float` are rounded once, to
@@ -27,6 +27,8 @@ struct KeptTree {
   bool open(Input& input, const ReadOptions& options);
   void open(Input& input, const SurfaceReader& reader, const ReadOptions& options);
   std::string name, units;
+  std::optional<double> deflection;  // of exact surfaces that became facets, and the angle
+  double angle = 0;
   std::shared_ptr<PartTree> tree;
   SurfaceFile file;  // without what depends on the parts that are taken
   // For those who take its parts:
@@ -38,7 +40,7 @@ struct KeptTree {
 class KeptTrees {
  public:
   // Null: it isn't kept.
-  KeptTree* find(const std::string& name, const std::string& units);
+  KeptTree* find(const std::string& name, const ReadOptions& options);
   // Those that were not used for longest go, while all of them take more than `bytes`.
   KeptTree& add(KeptTree&& tree, uint64_t bytes);
   // The one that was used last; null: none is kept.
@@ -65,6 +67,11 @@ class KeptTrees {
 SurfaceFile read_facets(const std::filesystem::path& path, const std::string& part, const FacetSink& sink, const ReadOptions& options = {});
 // The same for a file that is already open, or for bytes in memory.
 SurfaceFile read_facets(Input& input, const std::string& part, const FacetSink& sink, const ReadOptions& options = {});
+
+// Whether a file holds exact surfaces, of which facets are made: then options.cad says how. False for what is no regular file.
+bool has_exact_surfaces(const std::filesystem::path& path);
+// The box of the exact surfaces that bodies take of such a file, in options.units: its lower and its upper corner. None where no part matches.
+std::optional<std::array<Vec3, 2>> exact_box(const std::filesystem::path& path, const std::vector<TakenParts>& taken, const ReadOptions& options);
 
 // The unit that a file states: m, cm, mm, um, nm, in or ft. Empty where it states none, or is no regular file. Throws as above.
 std::string stated_unit(const std::filesystem::path& path);

@@ -3,7 +3,10 @@
 #pragma once
 #include <cstdint>
 #include <functional>
+#include <memory>
+#include <optional>
 #include <string>
+#include <utility>
 
 #include "store/base/spill.hpp"
 
@@ -19,10 +22,30 @@ inline Budget modest_budget() { return {.bytes = uint64_t{1} << 30, .folder = st
 class KeptTrees;
 struct Part;
 
+// How the CAD kernel turns curved surfaces, as STEP files have them, into facets, and what it may take for that.
+struct CadOptions {
+  std::optional<double> deflection;         // the largest chord error, in the units that are asked for; absent: kOfBox of the file's box
+  double angle = 12;                        // the largest angle between neighbouring chords, in degrees
+  int threads = 1;
+  uint64_t memory = uint64_t{8} << 30;      // bytes
+  double seconds = 1800;                    // for reading the file, and for making its facets
+  std::filesystem::path cache;              // folder for what it made; empty: that of the user
+  std::function<void(double)> waiting = [](double) {};  // called now and then while the kernel works, with the share that is done; may throw
+  static constexpr double kOfBox = 1e-4;
+};
+
+inline std::shared_ptr<const CadOptions> cad_or_usual(std::shared_ptr<const CadOptions> cad) {
+  static const auto usual = std::make_shared<const CadOptions>();
+  return cad ? std::move(cad) : usual;
+}
+
 struct ReadOptions {
   Budget budget;                 // vertices that must be kept stay within it; others are kept on disk
   std::string units;             // coordinates of a file that states its unit are converted to these; empty: they stay as they are
   KeptTrees* kept = nullptr;     // keeps files with a tree for the next call
+  std::shared_ptr<const CadOptions> cad = cad_or_usual(nullptr);  // never null
+  bool face_patches = false;     // of a part, faces with a colour of their own are patches: "/as1/plate:red"
+  bool outline = false;          // only the tree is wanted: shapes of exact surfaces may stand for facets that are not made
   Background* helper = nullptr;  // may do part of the parsing; it may have other jobs
   // Called before the first facet by a reader that knows about how many there are.
   std::function<void(uint64_t)> expect = [](uint64_t) {};

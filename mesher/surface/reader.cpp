@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "mesher/surface/cad_parts.hpp"
 #include "store/base/error.hpp"
 #include "store/text/text.hpp"
 
@@ -71,17 +72,37 @@ void refuse_empty(const std::string& name, const SurfaceFile& file) {
   throw InputError(fmt::format("{}: holds no facet{}{}", name, file.warnings.empty() ? "" : ": ", fmt::join(file.warnings, ". ")));
 }
 
-void FacetStream::add_parts(PartTree& tree, SurfaceFile& file, const std::function<bool(const Part&)>& take) {
+namespace {
+
+std::string color_word(const std::string& color) {
+  for (const auto& [code, word] : {std::pair{"#ff0000", "red"}, {"#00ff00", "green"}, {"#0000ff", "blue"}, {"#ffff00", "yellow"}, {"#00ffff", "cyan"},
+                                   {"#ff00ff", "magenta"}, {"#ffffff", "white"}, {"#000000", "black"}})
+    if (color == code) return word;
+  return color;
+}
+
+}  // namespace
+
+void FacetStream::add_parts(PartTree& tree, SurfaceFile& file, const ReadOptions& options) {
   if (tree.parts().empty()) refuse_empty(tree.name(), file);
   matched_ = glob_.takes_all();
-  for (const uint32_t i : tree.matching(glob_)) {
+  const std::vector<uint32_t> taken = tree.matching(glob_);
+  if (file.cad) {
+    file.cad_parts = cad_parts(tree, taken, *file.cad);
+    for (std::string& w : volume_warnings(file.cad_parts, *file.cad)) file.warnings.push_back(std::move(w));
+  }
+  for (const uint32_t i : taken) {
     const Part& part = tree.parts()[i];
     matched_ = true;
     file.float32 &= file.factor.is_one() && tree.float32(part);
+    if (options.face_patches && tree.groups(part).size() > 1) {
+      add_by_color(tree, part);
+      continue;
+    }
     change_patch(part.path);
-    if (take) {
+    if (options.take_part) {
       begin_patch();
-      if (take(part)) {
+      if (options.take_part(part)) {
         facets_ += tree.facets(part);
         continue;
       }
@@ -90,6 +111,19 @@ void FacetStream::add_parts(PartTree& tree, SurfaceFile& file, const std::functi
   }
   if (matched_) return;
   for (const Part& part : tree.parts()) note(part.path);  // for the message
+}
+
+void FacetStream::add_by_color(PartTree& tree, const Part& part) {
+  auto group = tree.groups(part).begin();
+  uint64_t left = 0;  // of the group
+  tree.read(part, [&](const Facet& facet) {
+    for (; left == 0; ++group) {
+      left = group->facets;
+      if (left > 0) change_patch(group->color.empty() ? part.path : fmt::format("{}:{}", part.path, color_word(group->color)));
+    }
+    --left;
+    next() = facet;
+  });
 }
 
 // The names are only for messages, so millions of them are not worth their memory.

@@ -29,8 +29,9 @@ class FacetStream {
 
   // Records that the file, which has no tree, has this part ("": the unnamed one). Returns whether its facets are wanted.
   bool wants(std::string_view part);
-  // The facets of the parts of a tree that are wanted, each part a patch. Sets file.float32. `take` as in ReadOptions.
-  void add_parts(PartTree& tree, SurfaceFile& file, const std::function<bool(const Part&)>& take);
+  // The facets of the parts of a tree that are wanted, each part a patch, and with options.face_patches also its faces of a colour of their own.
+  // Sets file.float32.
+  void add_parts(PartTree& tree, SurfaceFile& file, const ReadOptions& options);
   // The facets that follow, of a file without a tree, belong to this patch ("": to the one of the body). Names are told apart by their first
   // bytes.
   void enter_patch(std::string_view name);
@@ -49,6 +50,7 @@ class FacetStream {
  private:
   static constexpr size_t kFew = 32, kMany = 4096;
   void note(const std::string& name);
+  void add_by_color(PartTree& tree, const Part& part);
   void flush();
   void change_patch(std::string_view name);
   void make_room();
@@ -183,7 +185,7 @@ enum class Match { kNo, kPerhaps, kSure };
 
 // A format. A new format is a file that defines one of these, and a line in the table of readers.hpp.
 struct SurfaceReader {
-  const char* name;  // of the format, in messages: "expected STL, OBJ, PLY, OFF, 3MF or glTF"; several readers may have the same
+  const char* name;  // of the format, in messages: "expected STL, OBJ, PLY, OFF, 3MF, glTF or STEP"; several readers may have the same
   Match (*recognises)(const Head& head);
   // Reads all of `input`, until window(1) is empty, and sets format and float32 of `file`.
   //
@@ -200,6 +202,11 @@ struct SurfaceReader {
   PartTree (*open)(Input& input, SurfaceFile& file, const ReadOptions& options) = nullptr;
   // Of a format whose files may state a unit: the one that this file states. Reads as little as it can.
   std::string (*unit)(Input& input) = nullptr;
+  // Of a format with exact surfaces, of which open() makes facets: what is known without them.
+  struct Exact {
+    PartTree (*outline)(Input& input, SurfaceFile& file, const ReadOptions& options) = nullptr;  // its shapes stand for facets
+    std::optional<std::array<Vec3, 2>> (*box)(Input& input, const std::vector<TakenParts>& taken, const ReadOptions& options) = nullptr;
+  } exact;
 };
 
 // What a file is that no reader takes, such as "a STEP file", and what to do about it. Empty when the format is unknown.

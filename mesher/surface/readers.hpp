@@ -12,7 +12,8 @@
   reader(kPlyReader) \
   reader(kOffReader) \
   reader(kThreeMfReader) \
-  reader(kGltfReader)
+  reader(kGltfReader) \
+  reader(kStepReader)
 // clang-format on
 
 namespace teracell::mesher {

@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <unordered_map>
 
 #include <fmt/format.h>
 
 #include "mesher/closing/boundary.hpp"
 #include "mesher/closing/lengths.hpp"
+#include "mesher/surface/cad_parts.hpp"
 #include "mesher/surface/input.hpp"
 #include "mesher/surface/part_path.hpp"
 #include "mesher/surface/read_facets.hpp"
@@ -91,6 +93,22 @@ void survey_tree(PartTree& tree, const Budget& budget, FileSurvey& out) {
   }
 }
 
+void add_volumes(const PartTree& tree, FileSurvey& out) {
+  std::vector<uint32_t> all(tree.parts().size());
+  std::iota(all.begin(), all.end(), 0);
+  const std::vector<CadPart> parts = cad_parts(tree, all, *out.file.cad);
+  for (std::string& w : volume_warnings(parts, *out.file.cad)) out.file.warnings.push_back(std::move(w));
+  for (size_t i = 0; i < tree.parts().size(); ++i) {
+    PartKind& kind = out.kinds[out.places[i].kind];
+    if (kind.path != tree.parts()[i].path) continue;
+    const CadShape& shape = out.file.cad->shapes[*tree.node(tree.parts()[i]).shape];
+    const double scale = std::abs(determinant(tree.parts()[i].matrix));
+    kind.kernel_volume = shape.kernel_volume, kind.sender_volume = shape.sender_volume;
+    for (std::optional<double>* v : {&kind.kernel_volume, &kind.sender_volume})
+      if (*v) **v *= scale;
+  }
+}
+
 // The file is read once more, however many parts are open: their facets are put beside each other, part by part.
 void count_open_edges_of_flat(const std::filesystem::path& path, const Budget& budget, std::vector<PartKind>& kinds) {
   struct Stretch {  // of a part's facets, in bytes
@@ -158,17 +176,18 @@ void survey_flat(Input& input, const std::filesystem::path& path, const Budget& 
 
 }  // namespace
 
-FileSurvey survey(const std::filesystem::path& path, const Budget& budget) {
+FileSurvey survey(const std::filesystem::path& path, const Budget& budget, const CadOptions& cad) {
   FileSurvey out;
   out.lo.fill(HUGE_VAL), out.hi.fill(-HUGE_VAL);
   Input input(path);
   KeptTree kept;
-  out.tree = kept.open(input, {.budget = budget});
+  out.tree = kept.open(input, {.budget = budget, .cad = std::make_shared<const CadOptions>(cad)});
   if (!out.tree) survey_flat(input, path, budget, out);
   else {
     if (kept.tree->parts().empty()) refuse_empty(path.string(), kept.file);
     out.file = std::move(kept.file);
     survey_tree(*kept.tree, budget, out);
+    if (out.file.cad) add_volumes(*kept.tree, out);
   }
   return out;
 }

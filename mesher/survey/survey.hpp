@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "mesher/surface/facet.hpp"
+#include "mesher/surface/read_options.hpp"
 #include "store/base/spill.hpp"
 
 namespace teracell::mesher {
@@ -20,6 +21,7 @@ struct PartKind {
   uint64_t open_edges = 0;   // directed edges without their reverse; 0 when closed
   Vec3 lo{}, hi{};           // of the first of them
   double volume = 0, area = 0;
+  std::optional<double> kernel_volume, sender_volume;  // of exact surfaces: by the CAD kernel, and as the file says
 };
 
 // A part in the tree.
@@ -37,6 +39,6 @@ struct FileSurvey {
 };
 
 // Reads the file once, and parts that are open a second time, to count their open edges. Throws as read_facets() does.
-FileSurvey survey(const std::filesystem::path& path, const Budget& budget);
+FileSurvey survey(const std::filesystem::path& path, const Budget& budget, const CadOptions& cad = {});
 
 }  // namespace teracell::mesher

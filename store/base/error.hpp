@@ -15,6 +15,9 @@ enum class Remedy {
   kOtherFolderOrMoreMemory,
   kFreshStart,  // instead of resuming
   kAllowHttp,   // for an address without TLS
+  kInstallStep,  // the program that reads STEP files
+  kCadMemory,
+  kCadTime,
 };
 
 struct Error : std::runtime_error {

@@ -217,6 +217,49 @@ void read_rest(const JsonNode& j, Report& report) {
 
 }  // namespace
 
+namespace {
+
+void number_or_null(JsonWriter& out, std::string_view key, const std::optional<double>& number) {
+  if (number) out.field(key, *number);
+  else out.key(key).raw("null");
+}
+
+void write_cad(JsonWriter& out, const CadReport& cad) {
+  out.key("cad").begin_object().field("kernel", cad.kernel).field("key", cad.key).field("facets_hash", cad.hash);
+  out.field("deflection", cad.deflection).field("angle", cad.angle).key("parts").begin_array();
+  for (const CadPartReport& p : cad.parts) {
+    out.begin_object().field("path", p.path).field("instances", p.instances).field("faces", p.faces);
+    out.field("faces_without_facets", p.faces_without_facets).field("closed", p.closed).field("facet_volume", p.facet_volume);
+    number_or_null(out, "kernel_volume", p.kernel_volume);
+    number_or_null(out, "sender_volume", p.sender_volume);
+    out.end_object();
+  }
+  out.end_array();
+  if (cad.parts_left_out > 0) out.field("parts_left_out", cad.parts_left_out);
+  out.end_object();
+}
+
+std::optional<double> number_or_null(const JsonNode& j, std::string_view key) {
+  const JsonNode n = j.require(key);
+  return n.is_null() ? std::nullopt : std::optional(n.number());
+}
+
+std::optional<CadReport> cad_in(const JsonNode& input) {
+  const auto j = input.find("cad");
+  if (!j) return std::nullopt;
+  CadReport out{j->require("kernel").any_text(), j->require("key").any_text(), j->require("facets_hash").any_text(), j->require("deflection").number(),
+                j->require("angle").number(), {}, 0};
+  j->each("parts", [&](const JsonNode& p) {
+    out.parts.push_back({p.require("path").any_text(), p.require("instances").whole(), p.require("faces").whole(),
+                         p.require("faces_without_facets").whole(), p.require("closed").boolean(), p.require("facet_volume").number(),
+                         number_or_null(p, "kernel_volume"), number_or_null(p, "sender_volume")});
+  });
+  if (const auto n = j->find("parts_left_out")) out.parts_left_out = n->whole();
+  return out;
+}
+
+}  // namespace
+
 std::string write_report(const Report& report, const std::vector<std::string>& warnings, const std::string& scene) {
   std::string text;
   const size_t bodies = report.bodies.size();
@@ -231,6 +274,7 @@ std::string write_report(const Report& report, const std::vector<std::string>& w
     const InputReport& input = report.inputs[b];
     writer.begin_object().field("path", input.path).field("format", input.format).field("bytes", input.bytes).field("hash", input.hash);
     if (!input.unit.empty()) writer.field("unit", input.unit).field("factor", input.factor);
+    if (input.cad) write_cad(writer, *input.cad);
     writer.end_object();
   });
   out.key("ray_axis")
@@ -273,7 +317,7 @@ std::optional<Report> read_report(const std::string& text, const std::function<v
           else if (list == "lost_gaps") gaps.push_back({j.require("material").any_text(), axis_in(j), lost_in(j)});
           else if (list == "inputs")
             report.inputs.push_back({j.require("path").any_text(), text_in(j, "format"), j.require("hash").any_text(), j.require("bytes").whole(),
-                                     text_in(j, "unit"), j.find("factor") ? j.require("factor").number() : 1});
+                                     text_in(j, "unit"), j.find("factor") ? j.require("factor").number() : 1, cad_in(j)});
         });
       },
       "scene"};

@@ -104,11 +104,28 @@ struct OverlapsReport {
   std::vector<OverlapReport> list;   // those with the most cells, the most first
 };
 
+// What the CAD kernel made of the parts of a STEP file that a body takes, in the grid's units.
+struct CadPartReport {
+  std::string path;  // of the first of its instances
+  uint64_t instances = 1, faces = 0, faces_without_facets = 0;
+  bool closed = false;  // its facets are
+  double facet_volume = 0;
+  std::optional<double> kernel_volume, sender_volume;
+};
+struct CadReport {
+  std::string kernel;     // "OpenCASCADE 7.6.3"
+  std::string key, hash;  // of file, kernel and options; of the facets
+  double deflection = 0, angle = 0;
+  std::vector<CadPartReport> parts;
+  uint64_t parts_left_out = 0;  // for want of room
+};
+
 struct InputReport {
   std::string path, format, hash;
   uint64_t bytes = 0;
   std::string unit;   // that the file states; empty when it states none
   double factor = 1;  // by which its coordinates were multiplied
+  std::optional<CadReport> cad;
 };
 
 // The report in the file: only what inputs and options determine, so no times, memory or numbers of threads.

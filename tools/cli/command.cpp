@@ -170,6 +170,20 @@ void add_threads(CLI::App& app, int& threads) {
           ""));
 }
 
+void add_cad_limits(CLI::App& app, CadArguments& cad) {
+  app.add_option("--cad-memory", cad.memory, "how much memory the CAD kernel may take for a STEP file, such as 16G (default 8G)");
+  app.add_option("--cad-seconds", cad.seconds, "how long the CAD kernel may read a STEP file, and then make its facets (default 1800)")
+      ->check(in_range(0.1, 1e9));
+}
+
+mesher::CadOptions CadArguments::options() const {
+  mesher::CadOptions out;
+  out.threads = threads_or_all(0);
+  out.seconds = seconds;
+  if (!memory.empty()) out.memory = parse_size(memory, "--cad-memory");
+  return out;
+}
+
 int threads_or_all(int threads) { return threads > 0 ? threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency())); }
 
 void add_word(CLI::App& app, const std::string& name, const std::string& argument, const std::string& help,

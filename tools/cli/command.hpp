@@ -9,6 +9,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "mesher/surface/read_options.hpp"
 #include "store/base/wanted.hpp"
 #include "store/read/reader.hpp"
 #include "store/remote/sources.hpp"
@@ -39,6 +40,13 @@ void add_source_options(CLI::App& app, SourceOptions& source);  // --cache-dir a
 GridReader open_grid(const GridArgument& grid, std::shared_ptr<ChunkKeeper> keeper = nullptr);
 void add_threads(CLI::App& app, int& threads);  // stays 0, which means one per core, unless it is given
 int threads_or_all(int threads);
+// What the CAD kernel may take that reads STEP files.
+struct CadArguments {
+  std::string memory;
+  double seconds = mesher::CadOptions{}.seconds;
+  mesher::CadOptions options() const;
+};
+void add_cad_limits(CLI::App& app, CadArguments& cad);
 void add_progress(CLI::App& app, std::string& mode);
 // An option with a value, or a switch if `argument` is empty: take() gets the value.
 void add_word(CLI::App& app, const std::string& name, const std::string& argument, const std::string& help,

@@ -133,6 +133,11 @@ std::string size_of(const Vec3& lo, const Vec3& hi) {
 
 std::string looks_text(const PartKind& k) { return printable(k.material) + (k.material.empty() || k.color.empty() ? "" : " ") + k.color; }
 
+std::string volume_text(const std::optional<double>& v) { return v ? number_text(*v, 6) : ""; }
+
+constexpr size_t kColumns = 7;
+using Row = std::array<std::string, kColumns>;
+
 void print_file(const std::string& name, const FileSurvey& f) {
   uint64_t parts = 0, facets = 0;
   for (const PartKind& k : f.kinds) parts += k.instances, facets += k.instances * k.facets;
@@ -141,24 +146,26 @@ void print_file(const std::string& name, const FileSurvey& f) {
                   plural(parts, "part"), parts > f.kinds.size() ? fmt::format(" of {}", plural(f.kinds.size(), "kind")) : "", size_of(f.lo, f.hi),
                   unit));
   const Lines lines(f);
-  std::vector<std::array<std::string, 5>> rows = {
-      {"part", "facets", "size" + (unit.empty() ? "" : "," + unit), "volume" + (unit.empty() ? "" : "," + unit + "³"), ""}};
+  const std::string cubic = unit.empty() ? "" : "," + unit + "³";
+  std::vector<Row> rows = {{"part", "facets", "size" + (unit.empty() ? "" : "," + unit), "volume" + cubic, "", "", ""}};
+  if (f.file.cad) rows[0][4] = "kernel", rows[0][5] = "sender";
   for (size_t i = 0; i < std::min(lines.all.size(), kMostTreeLines); ++i) {
     const auto& [tree, kind] = lines.all[i];
-    if (!kind) rows.push_back({tree, "", "", "", ""});
+    if (!kind) rows.push_back({tree});
     else
       rows.push_back({tree, fmt::format("{}", fmt::group_digits(kind->facets)), size_of(kind->lo, kind->hi),
                       kind->closed            ? number_text(kind->volume, 6)
                       : kind->open_edges == 0 ? "open"
                                               : fmt::format("open: {}", plural(kind->open_edges, "edge")),
-                      looks_text(*kind)});
+                      volume_text(kind->kernel_volume), volume_text(kind->sender_volume), looks_text(*kind)});
   }
-  std::array<size_t, 5> widths{};
+  std::array<size_t, kColumns> widths{};
   for (const auto& row : rows)
     for (size_t c = 0; c < row.size(); ++c) widths[c] = std::max(widths[c], columns(row[c]));
   for (const auto& row : rows) {
     std::string line = padded(row[0], widths[0]);
-    for (size_t c = 1; c < row.size(); ++c) line += "  " + (c < 4 ? std::string(widths[c] - columns(row[c]), ' ') + row[c] : row[c]);
+    for (size_t c = 1; c < row.size(); ++c)
+      if (widths[c] > 0) line += "  " + (c + 1 < kColumns ? std::string(widths[c] - columns(row[c]), ' ') + row[c] : row[c]);
     say(line.substr(0, line.find_last_not_of(' ') + 1));
   }
   if (lines.all.size() > kMostTreeLines)
@@ -178,10 +185,10 @@ bool names_a_grid(const std::string& name) {
   return in.gcount() == 0 || std::string_view(head + 8, 8) == "teracell";
 }
 
-void print_surfaces(const std::vector<std::string>& names, bool json) {
+void print_surfaces(const std::vector<std::string>& names, bool json, const mesher::CadOptions& cad) {
   std::vector<FileSurvey> files;
   for (const std::string& name : names) {
-    files.push_back(mesher::survey(name, mesher::modest_budget()));
+    files.push_back(mesher::survey(name, mesher::modest_budget(), cad));
     if (json) continue;
     if (files.size() > 1) say("");
     print_file(name, files.back());

@@ -25,6 +25,7 @@ namespace {
 struct InfoArguments {
   std::vector<std::string> files;
   SourceOptions source;
+  CadArguments cad;
   bool json = false;
 };
 
@@ -209,7 +210,7 @@ void run(const InfoArguments& o) {
     if (!names_a_grid(name)) surfaces.push_back(name);
   if (!surfaces.empty() && surfaces.size() < o.files.size())
     throw UsageError("expected grids or surfaces, found both: ask for them one after another");
-  if (!surfaces.empty()) return print_surfaces(surfaces, o.json);
+  if (!surfaces.empty()) return print_surfaces(surfaces, o.json, o.cad.options());
   for (const std::string& name : o.files) {
     const GridReader reader = open_grid({name, o.source});
     if (o.json) std::cout << info_json(reader) << "\n";
@@ -226,6 +227,7 @@ Run setup_info(CLI::App& app) {
       ->type_name("FILE");
   add_source_options(app, o->source);
   app.add_flag("--json", o->json, "as JSON");
+  add_cad_limits(app, o->cad);
   app.footer("Examples:\n  teracell info g.tcell\n  teracell info assembly.3mf");
   return [o] { run(*o); };
 }

@@ -52,7 +52,7 @@ std::optional<mesher::Shard> parse_shard(const std::string& text) {
 void add_mesh_options(CLI::App& app, MeshArguments& o, bool of_many) {
   app.add_option(
          "inputs", o.inputs,
-         "a scene (.json), or surfaces: STL, OBJ, PLY, OFF, 3MF, glTF, plain or compressed by gzip; each is a body, and later ones win where they overlap")
+         "a scene (.json), or surfaces: STL, OBJ, PLY, OFF, 3MF, glTF, STEP, plain or compressed by gzip; each is a body, and later ones win where they overlap")
       ->required();
   app.add_option("-o,--output", o.output, "the .tcell file to write")->required();
   app.add_option("--cells", o.cells,
@@ -72,6 +72,11 @@ void add_mesh_options(CLI::App& app, MeshArguments& o, bool of_many) {
   app.add_option(
       "--stitch", o.stitch,
       "open edges of solids that are closer than this are joined; in the units of the grid (default: a quarter of the shortest cell edge; 0 joins none)");
+  app.add_option("--deflection", o.deflection,
+                 "of STEP files: the largest distance between a surface and its facets, in the units of the grid, or in cells, as 0.1c (default)");
+  app.add_option("--angle", o.angle, "of STEP files: the largest angle between neighbouring chords, in degrees (default 12)")->check(in_range(0.1, 90));
+  app.add_flag("--face-patches", o.face_patches, "of STEP files: the faces of a part that have a colour of their own are patches, such as /as1/plate:red");
+  add_cad_limits(app, o.cad);
   app.add_flag(
       "--thin", o.thin,
       "count, along x, y and z, the parts of every solid and of the gaps between solids that lie between sample points and are lost; the cells are the same");
@@ -116,7 +121,7 @@ mesher::Scene scene_from(const MeshArguments& o) {
     throw UsageError("--by-part: expected surfaces without a scene, found a scene: `teracell scene` writes one with a body for each part");
   const std::vector<std::filesystem::path> files(o.inputs.begin(), o.inputs.end());
   mesher::Scene scene = json        ? mesher::read_scene(o.inputs[0])
-                        : o.by_part ? mesher::scene_by_part(files, mesher::modest_budget())
+                        : o.by_part ? mesher::scene_by_part(files, mesher::modest_budget(), o.cad.options())
                                     : mesher::bare_scene(files);
   if (!o.units.empty()) {
     if (json) throw UsageError("--units: expected surfaces without a scene, found a scene: its units are in the file");
@@ -145,6 +150,13 @@ mesher::Scene scene_from(const MeshArguments& o) {
   if (!closing) throw UsageError(fmt::format("--closing: expected cap, strict, or extrude: and a direction such as -z, found '{}'", o.closing));
   if (o.stitch && !(*o.stitch >= 0 && *o.stitch <= 1e75))
     throw UsageError(fmt::format("--stitch: expected a length from 0 to 1e75, found {}", *o.stitch));
+  const std::optional<mesher::Deflection> deflection = mesher::parse_deflection(o.deflection.empty() ? "0.1c" : o.deflection);
+  if (!deflection) throw UsageError(fmt::format("--deflection: expected a length above 0, or cells such as 0.1c, found '{}'", o.deflection));
+  for (mesher::SceneBody& body : scene.bodies) {
+    if (!o.deflection.empty()) body.deflection = *deflection;
+    if (o.angle) body.angle = *o.angle;
+    if (o.face_patches) body.face_patches = true;
+  }
   const char* const for_solids = !o.fill.empty() ? "--fill" : !o.closing.empty() ? "--closing" : o.stitch ? "--stitch" : nullptr;
   if (for_solids && !scene.bodies.empty() &&
       std::ranges::all_of(scene.bodies, [](const mesher::SceneBody& body) { return body.kind == mesher::Kind::kSheet; }))
@@ -161,7 +173,7 @@ mesher::Scene scene_from(const MeshArguments& o) {
 
 void check_outputs(const MeshArguments& o, const mesher::Scene& scene) {
   if (o.output.empty()) throw UsageError("--output: expected a name, found none");
-  for (const char* other : {".json", ".stl", ".obj", ".ply", ".gz", ".png", ".npy"})  // surely a slip
+  for (const char* other : {".json", ".stl", ".obj", ".ply", ".step", ".stp", ".gz", ".png", ".npy"})  // surely a slip
     if (strcasecmp(std::filesystem::path(o.output).extension().c_str(), other) == 0)
       throw UsageError(fmt::format("--output: expected a name for a .tcell file, found '{}'", o.output));
   expect_file_name(o.output);
@@ -193,6 +205,7 @@ mesher::MeshOptions mesh_options(const MeshArguments& o, int share) {
         Remedy::kOtherFolder);
   if (options.memory == 0) throw UsageError("--memory: expected a size like 512M or 8G, found 0");
   options.tmp = o.tmp;
+  options.cad = o.cad.options();
   options.write_caps = o.caps;
   options.resume = o.resume;
   options.thin = o.thin;

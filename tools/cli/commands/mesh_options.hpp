@@ -8,10 +8,12 @@ namespace teracell::cli {
 struct MeshArguments {
   std::vector<std::string> inputs;
   std::string output, cells, axis = "auto", fill, closing, engine = "scan", memory, tmp, caps, report, shard, fractions, units, progress = "auto";
-  std::optional<double> step, stitch;
+  std::string deflection;
+  std::optional<double> step, stitch, angle;
+  CadArguments cad;
   std::optional<int64_t> pad;
   int threads = 0;
-  bool resume = false, thin = false, links = false, check = false, by_part = false;
+  bool resume = false, thin = false, links = false, check = false, by_part = false, face_patches = false;
 };
 
 // `of_many`: of a program of many processes, which takes no part of the grid.

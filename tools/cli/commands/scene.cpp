@@ -22,6 +22,7 @@ struct SceneArguments {
   std::optional<double> step;
   std::string units;
   bool force = false;
+  CadArguments cad;
 };
 
 void run(const SceneArguments& o) {
@@ -36,7 +37,7 @@ void run(const SceneArguments& o) {
         fmt::format("{}: expected a name that no file has, since scenes are edited by hand; found a file: --force replaces it", o.output));
   OutputFile file(o.output);
   const mesher::SceneText scene = mesher::scene_text({o.files.begin(), o.files.end()}, std::filesystem::path(o.output).parent_path(), o.cells, o.step,
-                                                     o.units, mesher::modest_budget());
+                                                     o.units, mesher::modest_budget(), o.cad.options());
   file.append({reinterpret_cast<const uint8_t*>(scene.text.data()), scene.text.size()});
   file.commit();
   constexpr size_t kShown = 8;
@@ -51,11 +52,12 @@ void run(const SceneArguments& o) {
 
 Run setup_scene(CLI::App& app) {
   const auto o = std::make_shared<SceneArguments>();
-  app.add_option("files", o->files, "assemblies and surfaces: 3MF, glTF, STL, OBJ, PLY, OFF")->required()->type_name("FILE");
+  app.add_option("files", o->files, "assemblies and surfaces: 3MF, glTF, STEP, STL, OBJ, PLY, OFF")->required()->type_name("FILE");
   app.add_option("-o,--output", o->output, "the scene (.json) to write")->required();
   app.add_option("--cells", o->cells, "cubic cells, this many along the longest axis with its pad (default 200)")->check(in_range(3, 2147483646));
   app.add_option("--step", o->step, "the edge of a cell, in the units of the scene, which are those that the first file states");
   app.add_option("--units", o->units, "m, cm, mm, um, nm, in or ft (default: those that the first file states, else m)");
+  add_cad_limits(app, o->cad);
   app.add_flag("--force", o->force, "replaces the file that has the name");
   app.footer("Example:\n  teracell scene assembly.3mf --cells 1000 -o scene.json\n  teracell mesh scene.json -o assembly.tcell");
   return [o] { run(*o); };

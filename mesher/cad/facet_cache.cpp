@@ -1,0 +1,162 @@
+#include "mesher/cad/facet_cache.hpp"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <thread>
+#include <tuple>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "store/base/error.hpp"
+#include "store/format/format.hpp"
+
+namespace teracell::mesher {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr uint64_t kMostBytes = uint64_t{2} << 30;
+constexpr size_t kHash = 16;
+constexpr const char *kEnding = ".cad", *kUnfinished = ".cad-unfinished", *kLock = ".cad-lock";
+
+fs::path users_folder() {
+  if (const char* cache = std::getenv("XDG_CACHE_HOME"); cache && *cache == '/') return fs::path(cache) / "teracell" / "cad";
+  if (const char* home = std::getenv("HOME"); home && *home == '/') return fs::path(home) / ".cache" / "teracell" / "cad";
+  return {};
+}
+
+Descriptor opened(const fs::path& path, int flags) { return Descriptor(::open(path.c_str(), flags | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0600)); }
+
+template <class F>
+void for_each_block(const Descriptor& file, uint64_t size, F&& f) {
+  Bytes block(std::min<uint64_t>(size, 1 << 20));
+  for (uint64_t at = 0; at < size; at += block.size()) {
+    block.resize(std::min<uint64_t>(size - at, block.size()));
+    if (file.read(at, block) < block.size()) throw IoError(fmt::format("can't read facets from the cache: {}", std::strerror(errno)), errno);
+    f(std::span<const uint8_t>(block));
+  }
+}
+
+std::array<uint8_t, kHash> hash_of(const FacetCache::Entry& entry) {
+  ContentHash hash;
+  for_each_block(entry.file, entry.size, [&](std::span<const uint8_t> block) { hash.add(block); });
+  return hash.digest();
+}
+
+}  // namespace
+
+FacetCache::FacetCache(fs::path folder, const Budget& budget) : folder_(folder.empty() ? users_folder() : std::move(folder)), other_(budget.folder) {
+  std::error_code error;
+  if (!folder_.empty()) fs::create_directories(folder_.parent_path(), error);
+  if (!folder_.empty() && ::mkdir(folder_.c_str(), 0700) != 0 && errno != EEXIST) folder_.clear();
+  if (!folder_.empty() && ::access(folder_.c_str(), W_OK | X_OK) != 0) folder_.clear();
+}
+
+fs::path FacetCache::path_of(const std::string& key) const { return folder_ / (key + kEnding); }
+
+std::optional<FacetCache::Entry> FacetCache::find(const std::string& key) const {
+  if (folder_.empty()) return std::nullopt;
+  Entry entry{opened(path_of(key), O_RDONLY), 0};
+  struct stat s;
+  if (!entry.file || ::fstat(entry.file.get(), &s) != 0 || !S_ISREG(s.st_mode) || s.st_size < static_cast<off_t>(kHash)) return std::nullopt;
+  entry.size = static_cast<uint64_t>(s.st_size) - kHash;
+  ::utimensat(AT_FDCWD, path_of(key).c_str(), nullptr, 0);  // those that were not used for longest go first
+  return entry;
+}
+
+std::optional<std::string> FacetCache::find_text(const std::string& key) const {
+  const std::optional<Entry> entry = find(key);
+  if (!entry || entry->size > uint64_t{1} << 30) return std::nullopt;
+  if (hex(hash_of(*entry)) != hash_behind(*entry)) return std::nullopt;
+  std::string text(entry->size, '\0');
+  entry->file.read(0, {reinterpret_cast<uint8_t*>(text.data()), text.size()});
+  return text;
+}
+
+FacetCache::Entry FacetCache::add(const std::string& key, const std::function<void(const std::string&)>& make) const {
+  std::string name = ((folder_.empty() ? other_ : folder_) / (key + "-XXXXXX" + kUnfinished)).string();
+  Entry entry{Descriptor(::mkostemps(name.data(), static_cast<int>(std::strlen(kUnfinished)), O_CLOEXEC)), 0};
+  if (!entry.file) fail_at(name, "can't create", errno);
+  try {
+    make(name);
+    struct stat s;
+    if (::fstat(entry.file.get(), &s) != 0) fail_at(name, "can't read", errno);
+    entry.size = static_cast<uint64_t>(s.st_size);
+    const auto hash = hash_of(entry);
+    if (entry.file.write(entry.size, hash) < hash.size()) fail_at(name, "can't write", errno);
+    if (!folder_.empty() && ::rename(name.c_str(), path_of(key).c_str()) != 0) fail_at(path_of(key), "can't create", errno);
+  } catch (...) {
+    ::unlink(name.c_str());
+    throw;
+  }
+  if (folder_.empty()) ::unlink(name.c_str());
+  else make_room(entry.size);
+  return entry;
+}
+
+void FacetCache::add_text(const std::string& key, const std::string& text) const {
+  if (folder_.empty()) return;
+  try {
+    add(key, [&](const std::string& path) {
+      const Descriptor file = opened(path, O_WRONLY);
+      if (!file || file.write(0, {reinterpret_cast<const uint8_t*>(text.data()), text.size()}) < text.size()) fail_at(path, "can't write", errno);
+    });
+  } catch (const IoError&) {
+  }
+}
+
+void FacetCache::remove(const std::string& key) const {
+  if (!folder_.empty()) ::unlink(path_of(key).c_str());
+}
+
+// Others of the same machine wait a tenth of a second at a time, because a lock can't be waited for together with the user's wish to stop.
+Descriptor FacetCache::lock(const std::string& key, const std::function<void()>& waiting) const {
+  if (folder_.empty()) return Descriptor();
+  Descriptor file = opened(folder_ / (key + kLock), O_RDWR | O_CREAT);
+  while (file && ::flock(file.get(), LOCK_EX | LOCK_NB) != 0) {
+    if (errno != EWOULDBLOCK && errno != EINTR) return Descriptor();
+    waiting();
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  }
+  return file;
+}
+
+// Nothing but files with our endings is ever removed. Of what a killed run has left unfinished, and of locks, what is older than a day.
+void FacetCache::make_room(uint64_t bytes) const {
+  using File = std::tuple<int64_t, uint64_t, fs::path>;  // when it was used, its bytes
+  std::vector<File> files;
+  const int64_t day_ago = int64_t{::time(nullptr)} - 24 * 3600;
+  uint64_t all = 0;
+  std::error_code error;
+  for (fs::directory_iterator at(folder_, error), end; !error && at != end; at.increment(error)) {
+    const std::string name = at->path().filename().string();
+    struct stat s;
+    if (::lstat(at->path().c_str(), &s) != 0 || !S_ISREG(s.st_mode)) continue;
+    if ((name.ends_with(kUnfinished) || name.ends_with(kLock)) && s.st_mtim.tv_sec < day_ago) ::unlink(at->path().c_str());
+    if (!name.ends_with(kEnding)) continue;
+    files.emplace_back(int64_t{s.st_mtim.tv_sec} * 1'000'000'000 + s.st_mtim.tv_nsec, static_cast<uint64_t>(s.st_size), at->path());
+    all += static_cast<uint64_t>(s.st_size);
+  }
+  if (all <= kMostBytes || bytes == 0) return;
+  std::ranges::sort(files);
+  for (const auto& [used, size, path] : files) {
+    if (all <= kMostBytes) return;
+    if (::unlink(path.c_str()) == 0) all -= size;
+  }
+}
+
+std::string hash_behind(const FacetCache::Entry& entry) {
+  std::array<uint8_t, kHash> hash{};
+  entry.file.read(entry.size, hash);
+  return hex(hash);
+}
+
+}  // namespace teracell::mesher

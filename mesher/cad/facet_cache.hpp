@@ -1,0 +1,46 @@
+// What the CAD kernel made of files, for the next run. Any number of processes may use the folder at the same time: an entry takes its name
+// when it is complete, and whoever makes it makes the same bytes. Each ends with its hash, so a damaged one counts as missing.
+#pragma once
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "store/base/descriptor.hpp"
+#include "store/base/spill.hpp"
+
+namespace teracell::mesher {
+
+// Not to be shared by threads.
+class FacetCache {
+ public:
+  // Empty: that of the user. Where it can't be used, entries live in the budget's folder as long as they are open.
+  FacetCache(std::filesystem::path folder, const Budget& budget);
+
+  // An entry, open, and its size without the hash. Not checked yet: whoever reads all of it compares the hash.
+  struct Entry {
+    Descriptor file;
+    uint64_t size;
+  };
+  std::optional<Entry> find(const std::string& key) const;
+  std::optional<std::string> find_text(const std::string& key) const;  // checked
+  // The entry that `make` writes under the path that it gets, with its hash put behind. What `make` throws passes through, and nothing is left.
+  Entry add(const std::string& key, const std::function<void(const std::string& path)>& make) const;
+  void add_text(const std::string& key, const std::string& text) const;  // a text that can't be kept is not
+  void remove(const std::string& key) const;
+
+  // Held by the process that makes an entry, so that others wait for it instead of making it as well. `waiting` is called now and then, and may
+  // throw. A folder without locks gives none.
+  Descriptor lock(const std::string& key, const std::function<void()>& waiting) const;
+
+ private:
+  std::filesystem::path path_of(const std::string& key) const;
+  void make_room(uint64_t bytes) const;
+  std::filesystem::path folder_;  // empty: nothing is kept
+  std::filesystem::path other_;
+};
+
+// XXH3-128 of what an entry holds, as it stands behind it.
+std::string hash_behind(const FacetCache::Entry& entry);
+
+}  // namespace teracell::mesher

@@ -1,0 +1,188 @@
+#include "mesher/cad/kernel_process.hpp"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <mutex>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "store/base/error.hpp"
+#include "store/text/json_text.hpp"
+#include "store/text/text.hpp"
+#include "store/text/words.hpp"
+
+extern char** environ;
+
+namespace teracell::mesher {
+namespace {
+
+constexpr char kProgram[] = "teracell-step";
+constexpr int kFileInProgram = 3;
+
+// Beside this program, else its bare name, which is looked for on the PATH.
+std::string program_path() {
+  std::error_code error;
+  const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", error);
+  const std::filesystem::path beside = self.parent_path() / kProgram;
+  return !error && ::access(beside.c_str(), X_OK) == 0 ? beside.string() : kProgram;
+}
+
+std::string size_text(uint64_t bytes) { return fmt::format("{} MiB", bytes >> 20); }
+
+// Descriptors of the program: they become its 0, 1 and 3.
+struct Ends {
+  int in, out, file;
+};
+
+pid_t spawn(const std::string& name, const std::vector<std::string>& words, const Ends& ends) {
+  posix_spawn_file_actions_t actions;
+  posix_spawnattr_t attributes;
+  ::posix_spawn_file_actions_init(&actions);
+  ::posix_spawnattr_init(&attributes);
+  // A group of its own: the terminal's interrupt is for this program, which ends the other one.
+  ::posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
+  ::posix_spawn_file_actions_addopen(&actions, 2, "/dev/null", O_WRONLY, 0);
+  if (ends.in >= 0) ::posix_spawn_file_actions_adddup2(&actions, ends.in, 0);
+  ::posix_spawn_file_actions_adddup2(&actions, ends.out, 1);
+  if (ends.file >= 0) ::posix_spawn_file_actions_adddup2(&actions, ends.file, kFileInProgram);
+  const std::string path = program_path();
+  std::vector<char*> list = {const_cast<char*>(kProgram)};
+  for (const std::string& w : words) list.push_back(const_cast<char*>(w.c_str()));
+  list.push_back(nullptr);
+  pid_t process = -1;
+  const int error = ::posix_spawnp(&process, path.c_str(), &actions, &attributes, list.data(), environ);
+  ::posix_spawn_file_actions_destroy(&actions);
+  ::posix_spawnattr_destroy(&attributes);
+  if (error == ENOENT)
+    throw InputError(fmt::format("{}: STEP files are read by {}, a program of its own; found none beside this program or on the PATH", name, kProgram),
+                     Remedy::kInstallStep);
+  if (error != 0) throw IoError(fmt::format("{}: can't start {}: {}", name, path, std::strerror(error)), error);
+  return process;
+}
+
+std::pair<Descriptor, Descriptor> connected_pair() {
+  int ends[2];
+  if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) throw IoError(fmt::format("can't make a socket: {}", std::strerror(errno)), errno);
+  return {Descriptor(ends[0]), Descriptor(ends[1])};
+}
+
+int wait_for(pid_t process) {
+  int status = 0;
+  while (::waitpid(process, &status, 0) < 0 && errno == EINTR) {
+  }
+  return status;
+}
+
+}  // namespace
+
+const std::string& kernel_version(const std::string& name) {
+  static std::mutex mutex;
+  static std::string version;
+  std::lock_guard lock(mutex);
+  if (!version.empty()) return version;
+  auto [here, there] = connected_pair();
+  const pid_t process = spawn(name, {"--version"}, {-1, there.get(), -1});
+  there.close();
+  std::string text;
+  char some[256];
+  for (ssize_t got; (got = ::read(here.get(), some, sizeof some)) > 0 || (got < 0 && errno == EINTR);)
+    if (got > 0) text.append(some, static_cast<size_t>(got));
+  const int status = wait_for(process);
+  const std::string_view line = trimmed(text);
+  if (status != 0 || line.empty())
+    throw InputError(fmt::format("{}: {} --version: expected the name of the CAD kernel, found {} and status {}", name, kProgram, shown(line), status));
+  return version = line;
+}
+
+// The lower descriptors that become 0, 1 and 3 must not be those of the pair, so the pair is moved out of the way.
+KernelProcess::KernelProcess(std::string name, const Descriptor& file, const CadOptions& options)
+    : name_(std::move(name)), began_(std::chrono::steady_clock::now()) {
+  auto [here, there] = connected_pair();
+  const Descriptor their_end(::fcntl(there.get(), F_DUPFD_CLOEXEC, 10)), their_file(::fcntl(file.get(), F_DUPFD_CLOEXEC, 10));
+  if (!their_end || !their_file) throw IoError(fmt::format("{}: can't open: {}", name_, std::strerror(errno)), errno);
+  process_ = spawn(name_, {"--memory", fmt::format("{}", options.memory)}, {their_end.get(), their_end.get(), their_file.get()});
+  to_ = std::move(here);
+}
+
+KernelProcess::~KernelProcess() {
+  if (process_ <= 0) return;
+  ::kill(process_, SIGKILL);
+  wait_for(process_);
+}
+
+bool KernelProcess::is_alive() { return process_ > 0 && ::waitpid(process_, nullptr, WNOHANG) == 0 ? true : (process_ = -1, false); }
+
+void KernelProcess::send(const std::string& text) {
+  for (size_t done = 0; done < text.size();) {
+    const ssize_t sent = ::send(to_.get(), text.data() + done, text.size() - done, MSG_NOSIGNAL);
+    if (sent < 0 && errno == EINTR) continue;
+    if (sent < 0) return;  // it is gone, which next_line() will find
+    done += static_cast<size_t>(sent);
+  }
+}
+
+bool KernelProcess::next_line(std::string& line, const CadOptions& options, double share) {
+  for (;;) {
+    if (const size_t end = buffer_.find('\n'); end != std::string::npos) {
+      line = buffer_.substr(0, end);
+      buffer_.erase(0, end + 1);
+      return true;
+    }
+    options.waiting(share);
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began_).count();
+    if (seconds > options.seconds)
+      throw InputError(fmt::format("{}: the CAD kernel was stopped after {:.0f} seconds: expected it to be done within {:.0f}", name_, seconds, options.seconds),
+                       Remedy::kCadTime);
+    pollfd waits = {to_.get(), POLLIN, 0};
+    constexpr int kLook = 100;  // milliseconds between two looks at whether the user has asked to stop
+    if (::poll(&waits, 1, kLook) <= 0) continue;
+    char some[1 << 16];
+    const ssize_t got = ::recv(to_.get(), some, sizeof some, 0);
+    if (got < 0 && errno == EINTR) continue;
+    if (got <= 0) return false;
+    buffer_.append(some, static_cast<size_t>(got));
+    if (buffer_.size() > size_t{1} << 30) throw InputError(fmt::format("{}: the CAD kernel's answer is longer than a gigabyte", name_));
+  }
+}
+
+void KernelProcess::fail_after_end(const CadOptions& options) {
+  const int status = wait_for(std::exchange(process_, -1));
+  const std::string how = WIFSIGNALED(status) ? fmt::format("it was ended by signal {} ({})", WTERMSIG(status), ::strsignal(WTERMSIG(status)))
+                                              : fmt::format("it ended with status {}", WEXITSTATUS(status));
+  throw InputError(fmt::format("{}: the CAD kernel failed on this file: {}; it may have {} of memory", name_, how, size_text(options.memory)), Remedy::kCadMemory);
+}
+
+std::string KernelProcess::ask(const std::string& command, const std::string& key, const CadOptions& options) {
+  if (!command.empty()) began_ = std::chrono::steady_clock::now();
+  send(command);
+  double share = 0;
+  for (std::string line; next_line(line, options, share);) {
+    Json answer;
+    try {
+      answer = Json::parse(line);
+    } catch (const Json::exception&) {
+      throw InputError(fmt::format("{}: expected an answer of {}, found {}", name_, kProgram, shown(line)));
+    }
+    if (const auto progress = answer.find("progress"); progress != answer.end() && progress->is_number()) share = progress->get<double>();
+    if (const auto error = answer.find("error"); error != answer.end() && error->is_string()) {
+      const bool memory = *error == "out of memory";
+      throw InputError(memory ? fmt::format("{}: the CAD kernel needs more than the {} of memory that it may have", name_, size_text(options.memory))
+                              : fmt::format("{}: {}", name_, printable(error->get<std::string>())),
+                       memory ? Remedy::kCadMemory : Remedy::kNone);
+    }
+    if (answer.contains(key)) return line;
+  }
+  fail_after_end(options);
+}
+
+}  // namespace teracell::mesher

@@ -1,0 +1,42 @@
+// teracell-step at work on one file: a program of its own, because a CAD kernel may crash, hang or take all memory on one bad file. It is asked
+// by lines of text and answers by lines of JSON (tools/step/teracell_step.cpp says which).
+#pragma once
+#include <sys/types.h>
+
+#include <chrono>
+#include <functional>
+#include <string>
+
+#include "mesher/surface/read_options.hpp"
+#include "store/base/descriptor.hpp"
+
+namespace teracell::mesher {
+
+// Of the kernel that teracell-step has, such as "OpenCASCADE 7.6.3". Throws InputError, which begins with `name`, where there is no teracell-step.
+const std::string& kernel_version(const std::string& name);
+
+// Not to be shared by threads. Destroyed, it ends the program, whatever that is doing.
+class KernelProcess {
+ public:
+  // Begins to read the file that is open as `file`. `name` stands for it in messages.
+  KernelProcess(std::string name, const Descriptor& file, const CadOptions& options);
+  ~KernelProcess();
+  KernelProcess(const KernelProcess&) = delete;
+
+  // Sends a command, if it isn't empty, and returns the answer, which has this key. Answers that tell progress are passed to options.waiting, which
+  // may throw. Throws InputError when the kernel fails, dies, or exceeds its limits.
+  std::string ask(const std::string& command, const std::string& key, const CadOptions& options);
+  bool is_alive();
+
+ private:
+  void send(const std::string& text);
+  bool next_line(std::string& line, const CadOptions& options, double share);
+  [[noreturn]] void fail_after_end(const CadOptions& options);
+  const std::string name_;
+  pid_t process_ = -1;
+  Descriptor to_, from_;
+  std::string buffer_;
+  std::chrono::steady_clock::time_point began_;  // to work on what is asked
+};
+
+}  // namespace teracell::mesher
