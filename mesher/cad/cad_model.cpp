@@ -1,6 +1,7 @@
 #include "mesher/cad/cad_model.hpp"
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -149,10 +150,35 @@ CadModel::CadModel(Input& input, const Budget& budget, const CadOptions& options
       options_(options),
       cache_(options.cache, budget),
       file_(plain(input, budget, each)),
-      file_hash_(input.hash()), version_(kernel_version(name_)) {}
+      program_(kernel_program(name_)),
+      file_hash_(input.hash()) {
+  version_ = find_version();
+}
+
+// To start the program takes a twentieth of a second, so what it says is kept as long as it is the same file.
+std::string CadModel::find_version() {
+  struct stat s;
+  if (::stat(program_.c_str(), &s) != 0) fail_at(program_, "can't read", errno);
+  const std::string identity =
+      fmt::format("{}\n{}\n{}\n{}\n{}.{}", kMagic, program_.string(), s.st_ino, s.st_size, s.st_mtim.tv_sec, s.st_mtim.tv_nsec);
+  ContentHash hash;
+  hash.add(bytes_of(identity));
+  const std::string k = hex(hash.digest());
+  if (auto known = cache_.find_text(k)) return *known;
+  start();
+  const std::string text = kernel_->ask("", "kernel", options_);
+  const std::string version = naming(name_, [&] {
+    const Json json = parse_json(text, "the CAD kernel's name");
+    return JsonNode(json, "the CAD kernel's name").json().at("kernel").get<std::string>();
+  });
+  cache_.add_text(k, version);
+  return version;
+}
+
+void CadModel::start() { kernel_ = std::make_unique<KernelProcess>(program_, name_, file_, options_); }
 
 CadModel::~CadModel() {
-  if (kernel_ && kernel_->is_alive()) idle_kernels().add(file_hash_, std::move(kernel_));
+  if (kernel_ && read_ && kernel_->is_alive()) idle_kernels().add(file_hash_, std::move(kernel_));
 }
 
 std::string CadModel::key(const std::string& what) const {
@@ -162,12 +188,11 @@ std::string CadModel::key(const std::string& what) const {
 }
 
 KernelProcess& CadModel::kernel() {
-  if (!kernel_) kernel_ = idle_kernels().take(file_hash_);
-  if (kernel_ && !kernel_->is_alive()) kernel_.reset();
-  if (!kernel_) {
-    kernel_ = std::make_unique<KernelProcess>(name_, file_, options_);
-    cache_.add_text(key("outline"), kernel_->ask("", "outline", options_));
-  }
+  if (!kernel_ && (kernel_ = idle_kernels().take(file_hash_))) read_ = true;
+  if (kernel_ && !kernel_->is_alive()) kernel_.reset(), read_ = false;
+  if (!kernel_) start();
+  if (!read_) cache_.add_text(key("outline"), kernel_->ask("", "outline", options_));
+  read_ = true;
   return *kernel_;
 }
 
@@ -182,8 +207,9 @@ std::string CadModel::asked(const std::string& what, const std::string& command,
 CadModel::Outline CadModel::outline() {
   std::optional<std::string> text = cache_.find_text(key("outline"));
   if (!text) {
-    kernel_ = std::make_unique<KernelProcess>(name_, file_, options_);
+    if (!kernel_) start();
     text = kernel_->ask("", "outline", options_);
+    read_ = true;
     cache_.add_text(key("outline"), *text);
   }
   return naming(name_, [&] {
@@ -225,15 +251,16 @@ std::array<Vec3, 2> CadModel::box(const std::vector<CadInstance>& instances) {
 }
 
 CadFacts CadModel::add_facets(Shapes& shapes, double deflection, const Factor& factor, std::vector<CadShape> facts) {
-  CadFacts out{version_, key(fmt::format("facets {} {}", deflection, options_.angle)), "", deflection * factor.value(), options_.angle, std::move(facts)};
+  CadFacts out{version_,        key(fmt::format("facets {} {}", deflection, options_.angle)), "", deflection * factor.value(), options_.angle,
+               std::move(facts)};
   std::optional<FacetCache::Entry> entry = cache_.find(out.key);
   if (!entry) {
     const Descriptor lock = cache_.lock(out.key, [&] { options_.waiting(0); });
     entry = cache_.find(out.key);
     if (!entry)
       entry = cache_.add(out.key, [&](const std::string& path) {
-        kernel().ask(fmt::format("facets {} {} {} {}\n", deflection, options_.angle, options_.threads, std::filesystem::absolute(path).string()), "done",
-                     options_);
+        kernel().ask(fmt::format("facets {} {} {} {}\n", deflection, options_.angle, options_.threads, std::filesystem::absolute(path).string()),
+                     "done", options_);
       });
   }
   EntryReader in(*entry, name_);

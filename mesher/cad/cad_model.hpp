@@ -43,6 +43,8 @@ class CadModel {
   CadFacts add_facets(Shapes& shapes, double deflection, const Factor& factor, std::vector<CadShape> facts);
 
  private:
+  std::string find_version();
+  void start();
   std::string key(const std::string& what) const;
   KernelProcess& kernel();
   std::string asked(const std::string& what, const std::string& command, const std::string& answer);
@@ -50,8 +52,10 @@ class CadModel {
   const CadOptions& options_;
   FacetCache cache_;
   Descriptor file_;
+  std::filesystem::path program_;
   std::string file_hash_, version_;
   std::unique_ptr<KernelProcess> kernel_;
+  bool read_ = false;  // the kernel has read the file
 };
 
 // Ends the kernels that wait for more questions about files that were read, and gives back their memory.

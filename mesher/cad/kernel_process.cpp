@@ -8,9 +8,10 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
-#include <mutex>
 #include <utility>
 #include <vector>
 
@@ -29,22 +30,10 @@ namespace {
 constexpr char kProgram[] = "teracell-step";
 constexpr int kFileInProgram = 3;
 
-// Beside this program, else its bare name, which is looked for on the PATH.
-std::string program_path() {
-  std::error_code error;
-  const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", error);
-  const std::filesystem::path beside = self.parent_path() / kProgram;
-  return !error && ::access(beside.c_str(), X_OK) == 0 ? beside.string() : kProgram;
-}
-
 std::string size_text(uint64_t bytes) { return fmt::format("{} MiB", bytes >> 20); }
 
-// Descriptors of the program: they become its 0, 1 and 3.
-struct Ends {
-  int in, out, file;
-};
-
-pid_t spawn(const std::string& name, const std::vector<std::string>& words, const Ends& ends) {
+// `end` becomes standard input and output of the program.
+pid_t spawn(const std::filesystem::path& program, const std::string& name, const std::string& memory, const Descriptor& end, const Descriptor& file) {
   posix_spawn_file_actions_t actions;
   posix_spawnattr_t attributes;
   ::posix_spawn_file_actions_init(&actions);
@@ -52,27 +41,21 @@ pid_t spawn(const std::string& name, const std::vector<std::string>& words, cons
   // A group of its own: the terminal's interrupt is for this program, which ends the other one.
   ::posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
   ::posix_spawn_file_actions_addopen(&actions, 2, "/dev/null", O_WRONLY, 0);
-  if (ends.in >= 0) ::posix_spawn_file_actions_adddup2(&actions, ends.in, 0);
-  ::posix_spawn_file_actions_adddup2(&actions, ends.out, 1);
-  if (ends.file >= 0) ::posix_spawn_file_actions_adddup2(&actions, ends.file, kFileInProgram);
-  const std::string path = program_path();
-  std::vector<char*> list = {const_cast<char*>(kProgram)};
-  for (const std::string& w : words) list.push_back(const_cast<char*>(w.c_str()));
-  list.push_back(nullptr);
+  for (const int place : {0, 1}) ::posix_spawn_file_actions_adddup2(&actions, end.get(), place);
+  ::posix_spawn_file_actions_adddup2(&actions, file.get(), kFileInProgram);
+  char* const list[] = {const_cast<char*>(kProgram), const_cast<char*>("--memory"), const_cast<char*>(memory.c_str()), nullptr};
   pid_t process = -1;
-  const int error = ::posix_spawnp(&process, path.c_str(), &actions, &attributes, list.data(), environ);
+  const int error = ::posix_spawn(&process, program.c_str(), &actions, &attributes, list, environ);
   ::posix_spawn_file_actions_destroy(&actions);
   ::posix_spawnattr_destroy(&attributes);
-  if (error == ENOENT)
-    throw InputError(fmt::format("{}: STEP files are read by {}, a program of its own; found none beside this program or on the PATH", name, kProgram),
-                     Remedy::kInstallStep);
-  if (error != 0) throw IoError(fmt::format("{}: can't start {}: {}", name, path, std::strerror(error)), error);
+  if (error != 0) throw IoError(fmt::format("{}: can't start {}: {}", name, program.string(), std::strerror(error)), error);
   return process;
 }
 
 std::pair<Descriptor, Descriptor> connected_pair() {
   int ends[2];
-  if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) throw IoError(fmt::format("can't make a socket: {}", std::strerror(errno)), errno);
+  if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0)
+    throw IoError(fmt::format("can't make a socket: {}", std::strerror(errno)), errno);
   return {Descriptor(ends[0]), Descriptor(ends[1])};
 }
 
@@ -85,32 +68,30 @@ int wait_for(pid_t process) {
 
 }  // namespace
 
-const std::string& kernel_version(const std::string& name) {
-  static std::mutex mutex;
-  static std::string version;
-  std::lock_guard lock(mutex);
-  if (!version.empty()) return version;
-  auto [here, there] = connected_pair();
-  const pid_t process = spawn(name, {"--version"}, {-1, there.get(), -1});
-  there.close();
-  std::string text;
-  char some[256];
-  for (ssize_t got; (got = ::read(here.get(), some, sizeof some)) > 0 || (got < 0 && errno == EINTR);)
-    if (got > 0) text.append(some, static_cast<size_t>(got));
-  const int status = wait_for(process);
-  const std::string_view line = trimmed(text);
-  if (status != 0 || line.empty())
-    throw InputError(fmt::format("{}: {} --version: expected the name of the CAD kernel, found {} and status {}", name, kProgram, shown(line), status));
-  return version = line;
+std::filesystem::path kernel_program(const std::string& name) {
+  std::error_code error;
+  const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", error);
+  std::vector<std::filesystem::path> folders;
+  if (!error) folders.push_back(self.parent_path());
+  const char* const path = std::getenv("PATH");
+  for (std::string_view rest = path ? path : ""; !rest.empty();) {
+    const size_t end = std::min(rest.find(':'), rest.size());
+    if (end > 0) folders.emplace_back(rest.substr(0, end));
+    rest.remove_prefix(std::min(end + 1, rest.size()));
+  }
+  for (const std::filesystem::path& folder : folders)
+    if (::access((folder / kProgram).c_str(), X_OK) == 0 && std::filesystem::is_regular_file(folder / kProgram, error)) return folder / kProgram;
+  throw InputError(fmt::format("{}: STEP files are read by {}, a program of its own; found none beside this program or on the PATH", name, kProgram),
+                   Remedy::kInstallStep);
 }
 
 // The lower descriptors that become 0, 1 and 3 must not be those of the pair, so the pair is moved out of the way.
-KernelProcess::KernelProcess(std::string name, const Descriptor& file, const CadOptions& options)
+KernelProcess::KernelProcess(const std::filesystem::path& program, std::string name, const Descriptor& file, const CadOptions& options)
     : name_(std::move(name)), began_(std::chrono::steady_clock::now()) {
   auto [here, there] = connected_pair();
   const Descriptor their_end(::fcntl(there.get(), F_DUPFD_CLOEXEC, 10)), their_file(::fcntl(file.get(), F_DUPFD_CLOEXEC, 10));
   if (!their_end || !their_file) throw IoError(fmt::format("{}: can't open: {}", name_, std::strerror(errno)), errno);
-  process_ = spawn(name_, {"--memory", fmt::format("{}", options.memory)}, {their_end.get(), their_end.get(), their_file.get()});
+  process_ = spawn(program, name_, fmt::format("{}", options.memory), their_end, their_file);
   to_ = std::move(here);
 }
 
@@ -141,8 +122,9 @@ bool KernelProcess::next_line(std::string& line, const CadOptions& options, doub
     options.waiting(share);
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began_).count();
     if (seconds > options.seconds)
-      throw InputError(fmt::format("{}: the CAD kernel was stopped after {:.0f} seconds: expected it to be done within {:.0f}", name_, seconds, options.seconds),
-                       Remedy::kCadTime);
+      throw InputError(
+          fmt::format("{}: the CAD kernel was stopped after {:.0f} seconds: expected it to be done within {:.0f}", name_, seconds, options.seconds),
+          Remedy::kCadTime);
     pollfd waits = {to_.get(), POLLIN, 0};
     constexpr int kLook = 100;  // milliseconds between two looks at whether the user has asked to stop
     if (::poll(&waits, 1, kLook) <= 0) continue;
@@ -159,7 +141,8 @@ void KernelProcess::fail_after_end(const CadOptions& options) {
   const int status = wait_for(std::exchange(process_, -1));
   const std::string how = WIFSIGNALED(status) ? fmt::format("it was ended by signal {} ({})", WTERMSIG(status), ::strsignal(WTERMSIG(status)))
                                               : fmt::format("it ended with status {}", WEXITSTATUS(status));
-  throw InputError(fmt::format("{}: the CAD kernel failed on this file: {}; it may have {} of memory", name_, how, size_text(options.memory)), Remedy::kCadMemory);
+  throw InputError(fmt::format("{}: the CAD kernel failed on this file: {}; it may have {} of memory", name_, how, size_text(options.memory)),
+                   Remedy::kCadMemory);
 }
 
 std::string KernelProcess::ask(const std::string& command, const std::string& key, const CadOptions& options) {

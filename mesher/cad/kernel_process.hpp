@@ -12,14 +12,14 @@
 
 namespace teracell::mesher {
 
-// Of the kernel that teracell-step has, such as "OpenCASCADE 7.6.3". Throws InputError, which begins with `name`, where there is no teracell-step.
-const std::string& kernel_version(const std::string& name);
+// teracell-step beside this program, else on the PATH. Throws InputError, which begins with `name`, where there is none.
+std::filesystem::path kernel_program(const std::string& name);
 
 // Not to be shared by threads. Destroyed, it ends the program, whatever that is doing.
 class KernelProcess {
  public:
   // Begins to read the file that is open as `file`. `name` stands for it in messages.
-  KernelProcess(std::string name, const Descriptor& file, const CadOptions& options);
+  KernelProcess(const std::filesystem::path& program, std::string name, const Descriptor& file, const CadOptions& options);
   ~KernelProcess();
   KernelProcess(const KernelProcess&) = delete;
 

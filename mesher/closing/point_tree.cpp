@@ -1,7 +1,6 @@
 #include "mesher/closing/point_tree.hpp"
 
 #include <algorithm>
-#include <algorithm>
 #include <numeric>
 
 namespace teracell::mesher {

@@ -9,8 +9,8 @@
 #include <optional>
 #include <vector>
 
+#include "mesher/closing/buckets.hpp"
 #include "mesher/closing/surface_counts.hpp"
-#include "mesher/surface/buckets.hpp"
 #include "store/base/groups.hpp"
 
 namespace teracell::mesher {

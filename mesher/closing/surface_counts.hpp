@@ -7,8 +7,8 @@
 
 #include "mesher/closing/vertex_hash.hpp"
 #include "mesher/surface/facet.hpp"
-#include "mesher/surface/populate.hpp"
 #include "store/base/groups.hpp"
+#include "store/base/populate.hpp"
 #include "store/grid/report.hpp"
 
 namespace teracell::mesher {

@@ -107,7 +107,9 @@ class StepFile {
 
 PartTree open_step(Input& input, SurfaceFile& file, const ReadOptions& options) { return StepFile(input, file, options).tree(options.budget); }
 
-PartTree outline_of_step(Input& input, SurfaceFile& file, const ReadOptions& options) { return StepFile(input, file, options).outline(options.budget); }
+PartTree outline_of_step(Input& input, SurfaceFile& file, const ReadOptions& options) {
+  return StepFile(input, file, options).outline(options.budget);
+}
 
 std::optional<std::array<Vec3, 2>> box_of_step(Input& input, const std::vector<TakenParts>& taken, const ReadOptions& options) {
   SurfaceFile file;

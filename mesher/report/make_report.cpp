@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "mesher/report/warnings.hpp"
+#include "store/channels/fractions.hpp"
 
 namespace teracell::mesher {
 namespace {
@@ -66,19 +67,35 @@ BodyReport body_report(const Scene& scene, size_t b, BodyFacets&& found, const S
 // Where the body's matrix puts the parts.
 CadReport cad_report(const SceneBody& body, const SurfaceFile& file, size_t& parts_left) {
   const double volume = std::abs(determinant(body.matrix));
-  CadReport out{file.cad->kernel, file.cad->key, file.cad->hash, file.cad->deflection, file.cad->angle, {}, 0};
+  CadReport out{file.cad->kernel, file.cad->key, file.cad->hash, file.cad->deflection, file.cad->angle, {}, 0, {}, false};
   for (const CadPart& p : file.cad_parts) {
     if (parts_left == 0) {
       ++out.parts_left_out;
       continue;
     }
     --parts_left;
-    CadPartReport& part = out.parts.emplace_back(CadPartReport{p.path, p.instances, p.shape.faces, p.shape.faces_without_facets, p.shape.closed,
-                                                               std::abs(p.shape.facet_volume) * volume, p.shape.kernel_volume, p.shape.sender_volume});
+    CadPartReport& part =
+        out.parts.emplace_back(CadPartReport{p.path, p.instances, p.shape.faces, p.shape.faces_without_facets, p.shape.closed,
+                                             std::abs(p.shape.facet_volume) * volume, p.shape.kernel_volume, p.shape.sender_volume});
     for (std::optional<double>* v : {&part.kernel_volume, &part.sender_volume})
       if (*v) **v *= volume;
   }
   return out;
+}
+
+void put_grid_volume(CadReport& cad, size_t b, const Plan& plan, const CastTotals& totals) {
+  double cell = 1;
+  for (const Axis& axis : plan.meta.grid.axis) {
+    if (axis.is_graded()) return;
+    cell *= axis.step();
+  }
+  double cells = static_cast<double>(totals.cells[b]);
+  const Label label = plan.labels.of_body[b];
+  const Channel* fractions = find_fractions(plan.meta);
+  cad.by_shares = fractions && std::ranges::count(plan.labels.of_body, label) == 1;
+  if (const auto more = totals.shares.find(label); cad.by_shares && more != totals.shares.end())
+    cells += static_cast<double>(more->second) / sub_samples(subdivision_of(*fractions));
+  cad.grid_volume = cells * cell;
 }
 
 std::vector<std::string> all_warnings(const Scene& scene, const Bodies& bodies, const std::vector<SurfaceCounts>& counts, const Plan& plan,
@@ -158,8 +175,9 @@ Report make_report(const Scene& scene, Bodies&& bodies, const std::vector<Surfac
   size_t parts_left = 10'000;  // in the report
   for (size_t b = 0; b < scene.bodies.size(); ++b) {
     BodyFacets& found = bodies.bodies[b];
-    out.inputs.push_back({scene.bodies[b].mesh_text, found.file.format, found.file.hash, found.file.bytes, found.file.unit,
-                          found.file.factor.value(), found.file.cad ? std::optional(cad_report(scene.bodies[b], found.file, parts_left)) : std::nullopt});
+    out.inputs.push_back({scene.bodies[b].mesh_text, found.file.format, found.file.hash, found.file.bytes, found.file.unit, found.file.factor.value(),
+                          found.file.cad ? std::optional(cad_report(scene.bodies[b], found.file, parts_left)) : std::nullopt});
+    if (out.inputs.back().cad) put_grid_volume(*out.inputs.back().cad, b, plan, totals);
     out.bodies.push_back(body_report(scene, b, std::move(found), counts[b], plan, totals, count_thin));
   }
   bodies.bodies = {};

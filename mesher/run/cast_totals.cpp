@@ -8,6 +8,7 @@ void CastTotals::add(const RowTotals& row) {
   for (const BodyCells& b : row.cells) cells[b.body] += b.owned, covered[b.body] += b.covered;
   tallies.add(row.tallies);
   overlaps.add(row.overlaps);
+  for (const auto& [label, n] : row.shares) shares[label] += n;
 }
 
 void CastTotals::add(const CastTotals& other) {
@@ -16,6 +17,7 @@ void CastTotals::add(const CastTotals& other) {
   for (size_t b = 0; b < cells.size(); ++b) cells[b] += other.cells[b], covered[b] += other.covered[b];
   tallies.add(other.tallies);
   overlaps.add(other.overlaps);
+  for (const auto& [label, n] : other.shares) shares[label] += n;
 }
 
 void CastTotals::save(Bytes& out) const {
@@ -27,6 +29,8 @@ void CastTotals::save(Bytes& out) const {
     }
   tallies.save(out);
   overlaps.save(out);
+  put_varint(out, shares.size());
+  for (const auto& [label, n] : shares) put_varint(out, label), put_fixed(out, static_cast<uint64_t>(n));
 }
 
 CastTotals CastTotals::restored(ByteReader& in) {
@@ -43,6 +47,10 @@ CastTotals CastTotals::restored(ByteReader& in) {
   }
   out.tallies = Tallies::restored(in);
   out.overlaps = OverlapSum::restored(in);
+  for (uint64_t left = in.varint(0, in.remaining() / 9, "labels with shares"); left > 0; --left) {
+    const auto label = static_cast<uint32_t>(in.varint());
+    out.shares[label] = static_cast<int64_t>(in.fixed<uint64_t>());
+  }
   return out;
 }
 

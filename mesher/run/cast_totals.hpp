@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "mesher/boundary/share_sums.hpp"
 #include "mesher/compose/compose.hpp"
 #include "mesher/overlaps/overlap_sum.hpp"
 #include "mesher/thin/tally.hpp"
@@ -16,6 +17,7 @@ struct RowTotals {
   std::vector<BodyCells> cells;
   Tallies tallies;
   OverlapSum overlaps;
+  ShareSums shares;
 };
 
 // What all casting has counted.
@@ -24,6 +26,7 @@ struct CastTotals {
   std::vector<unsigned __int128> cells, covered;  // one per body: cells that it owns, and cells in it that a stronger body owns
   Tallies tallies;
   OverlapSum overlaps;
+  ShareSums shares;
   void add(const RowTotals& row);
   void add(const CastTotals& other);  // of the same bodies
   void save(Bytes& out) const;

@@ -92,7 +92,8 @@ void fields(Way& way, T& item) {
   } else if constexpr (std::is_same_v<Item, SurfaceCounts>) {
     all(item.degenerate, item.duplicates, item.opposite, item.shells);
   } else if constexpr (std::is_same_v<Item, CadPart>) {
-    all(item.path, item.instances, item.shape.faces, item.shape.faces_without_facets, item.shape.closed, item.shape.facet_volume, item.shape.facet_area);
+    all(item.path, item.instances, item.shape.faces, item.shape.faces_without_facets, item.shape.closed, item.shape.facet_volume,
+        item.shape.facet_area);
     or_nothing(way, item.shape.kernel_volume), or_nothing(way, item.shape.sender_volume);
   } else if constexpr (std::is_same_v<Item, BodyFacets>) {
     all(item.file.format, item.file.bytes, item.file.hash, item.file.facets, item.file.warnings);

@@ -262,8 +262,8 @@ Closing closing_of(const JsonNode& node) {
 }
 
 SceneBody parse_body(const JsonNode& node, const MaterialIds& ids, const fs::path& folder) {
-  node.check_keys({"name", "mesh", "part", "material", "priority", "fill", "closing", "stitch", "kind", "thin", "deflection", "angle", "face_patches", "patches", "matrix", "scale",
-                   "rotate", "translate"});
+  node.check_keys({"name", "mesh", "part", "material", "priority", "fill", "closing", "stitch", "kind", "thin", "deflection", "angle", "face_patches",
+                   "patches", "matrix", "scale", "rotate", "translate"});
   SceneBody body;
   body.mesh = folder / node.require("mesh").text();
   body.mesh_text = mesh_shown(node.require("mesh").text(), folder);

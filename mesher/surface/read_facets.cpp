@@ -107,8 +107,7 @@ bool KeptTree::open(Input& input, const ReadOptions& options) {
 
 KeptTree* KeptTrees::find(const std::string& name, const ReadOptions& options) {
   const auto found = std::ranges::find_if(trees_, [&](const KeptTree& t) {
-    return t.name == name && t.units == options.units &&
-           (!t.file.cad || (t.deflection == options.cad->deflection && t.angle == options.cad->angle));
+    return t.name == name && t.units == options.units && (!t.file.cad || (t.deflection == options.cad->deflection && t.angle == options.cad->angle));
   });
   if (found == trees_.end()) return nullptr;
   trees_.splice(trees_.begin(), trees_, found);

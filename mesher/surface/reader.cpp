@@ -75,8 +75,14 @@ void refuse_empty(const std::string& name, const SurfaceFile& file) {
 namespace {
 
 std::string color_word(const std::string& color) {
-  for (const auto& [code, word] : {std::pair{"#ff0000", "red"}, {"#00ff00", "green"}, {"#0000ff", "blue"}, {"#ffff00", "yellow"}, {"#00ffff", "cyan"},
-                                   {"#ff00ff", "magenta"}, {"#ffffff", "white"}, {"#000000", "black"}})
+  for (const auto& [code, word] : {std::pair{"#ff0000", "red"},
+                                   {"#00ff00", "green"},
+                                   {"#0000ff", "blue"},
+                                   {"#ffff00", "yellow"},
+                                   {"#00ffff", "cyan"},
+                                   {"#ff00ff", "magenta"},
+                                   {"#ffffff", "white"},
+                                   {"#000000", "black"}})
     if (color == code) return word;
   return color;
 }

@@ -1,6 +1,6 @@
 #include "mesher/tiles/facet_store.hpp"
 
-#include "mesher/surface/populate.hpp"
+#include "store/base/populate.hpp"
 
 namespace teracell::mesher {
 

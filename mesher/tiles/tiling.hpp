@@ -15,11 +15,11 @@
 #include <optional>
 #include <vector>
 
-#include "mesher/surface/populate.hpp"
 #include "mesher/tiles/binned_counts.hpp"
 #include "mesher/tiles/bins.hpp"
 #include "mesher/tiles/facet_store.hpp"
 #include "mesher/tiles/rays.hpp"
+#include "store/base/populate.hpp"
 
 namespace teracell::mesher {
 

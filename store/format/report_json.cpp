@@ -226,7 +226,9 @@ void number_or_null(JsonWriter& out, std::string_view key, const std::optional<d
 
 void write_cad(JsonWriter& out, const CadReport& cad) {
   out.key("cad").begin_object().field("kernel", cad.kernel).field("key", cad.key).field("facets_hash", cad.hash);
-  out.field("deflection", cad.deflection).field("angle", cad.angle).key("parts").begin_array();
+  out.field("deflection", cad.deflection).field("angle", cad.angle);
+  number_or_null(out, "grid_volume", cad.grid_volume);
+  out.field("by_shares", cad.by_shares).key("parts").begin_array();
   for (const CadPartReport& p : cad.parts) {
     out.begin_object().field("path", p.path).field("instances", p.instances).field("faces", p.faces);
     out.field("faces_without_facets", p.faces_without_facets).field("closed", p.closed).field("facet_volume", p.facet_volume);
@@ -247,8 +249,15 @@ std::optional<double> number_or_null(const JsonNode& j, std::string_view key) {
 std::optional<CadReport> cad_in(const JsonNode& input) {
   const auto j = input.find("cad");
   if (!j) return std::nullopt;
-  CadReport out{j->require("kernel").any_text(), j->require("key").any_text(), j->require("facets_hash").any_text(), j->require("deflection").number(),
-                j->require("angle").number(), {}, 0};
+  CadReport out{j->require("kernel").any_text(),
+                j->require("key").any_text(),
+                j->require("facets_hash").any_text(),
+                j->require("deflection").number(),
+                j->require("angle").number(),
+                {},
+                0,
+                number_or_null(*j, "grid_volume"),
+                j->require("by_shares").boolean()};
   j->each("parts", [&](const JsonNode& p) {
     out.parts.push_back({p.require("path").any_text(), p.require("instances").whole(), p.require("faces").whole(),
                          p.require("faces_without_facets").whole(), p.require("closed").boolean(), p.require("facet_volume").number(),

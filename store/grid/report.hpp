@@ -118,6 +118,9 @@ struct CadReport {
   double deflection = 0, angle = 0;
   std::vector<CadPartReport> parts;
   uint64_t parts_left_out = 0;  // for want of room
+  // Of the body's own cells, or by its shares of mixed cells where it is alone with its label; of grids without planes of their own.
+  std::optional<double> grid_volume;
+  bool by_shares = false;
 };
 
 struct InputReport {

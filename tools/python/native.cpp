@@ -343,6 +343,8 @@ std::string mesh(const std::string& scene_text, const std::string& folder, const
   o.memory = static_cast<uint64_t>(::sysconf(_SC_PHYS_PAGES)) * static_cast<uint64_t>(::sysconf(_SC_PAGESIZE)) / 4;
   if (given("memory")) o.memory = options["memory"].cast<uint64_t>();
   if (given("tmp")) o.tmp = options["tmp"].cast<std::string>();
+  if (given("cad_memory")) o.cad.memory = options["cad_memory"].cast<uint64_t>();
+  if (given("cad_seconds")) o.cad.seconds = options["cad_seconds"].cast<double>();
   if (given("thin")) o.thin = options["thin"].cast<bool>();
   if (given("links")) o.links = options["links"].cast<bool>();
   if (given("fractions")) {
@@ -354,6 +356,16 @@ std::string mesh(const std::string& scene_text, const std::string& folder, const
   const bool by_part = given("by_part") && options["by_part"].cast<bool>();
   if (given("resume")) o.resume = options["resume"].cast<bool>();
 
+  std::optional<mesher::Deflection> deflection;
+  if (given("deflection")) {
+    const std::string text = py::str(options["deflection"]);
+    deflection = mesher::parse_deflection(text);
+    if (!deflection) throw UsageError("deflection: expected a length above 0, or cells such as '0.1c', found " + text);
+  }
+  std::optional<double> angle;
+  if (given("angle")) angle = options["angle"].cast<double>();
+  if (angle && !mesher::is_chord_angle(*angle)) throw UsageError("angle: expected degrees from 0.1 to 90, found " + std::to_string(*angle));
+  const bool face_patches = given("face_patches") && options["face_patches"].cast<bool>();
   const std::vector<std::string> engines = mesher::engine_names();
   if (std::ranges::count(engines, o.engine) == 0) throw UsageError("engine: expected one of " + join(engines) + ", found '" + o.engine + "'");
   if (o.threads < 0 || o.threads > 1024) throw UsageError("threads: expected 0 (one per core) to 1024, found " + std::to_string(o.threads));
@@ -366,10 +378,15 @@ std::string mesh(const std::string& scene_text, const std::string& folder, const
   try {
     const std::vector<std::filesystem::path> files(surfaces.begin(), surfaces.end());
     mesher::Scene scene = files.empty() ? mesher::parse_scene(scene_text, folder)
-                          : by_part     ? mesher::scene_by_part(files, mesher::modest_budget())
+                          : by_part     ? mesher::scene_by_part(files, mesher::modest_budget(), o.cad)
                                         : mesher::bare_scene(files);
     if (!files.empty()) scene.units = units.empty() ? mesher::first_stated_unit(files) : units;
     override_grid(scene, grid);
+    for (mesher::SceneBody& body : scene.bodies) {
+      if (deflection) body.deflection = *deflection;
+      if (angle) body.angle = *angle;
+      if (face_patches) body.face_patches = true;
+    }
     const mesher::MeshReport report = mesh(
         scene, output, o,
         [&](const char* phase, double share, double) {

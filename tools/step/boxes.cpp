@@ -1,13 +1,14 @@
 #include "tools/step/boxes.hpp"
 
-#include <BRepBndLib.hxx>
-#include <Bnd_Box.hxx>
-#include <TopLoc_Location.hxx>
 #include <algorithm>
+#include <Bnd_Box.hxx>
+#include <BRepBndLib.hxx>
 #include <cmath>
 #include <gp_Trsf.hxx>
 #include <limits>
 #include <numeric>
+#include <TopExp_Explorer.hxx>
+#include <TopLoc_Location.hxx>
 
 namespace teracell::step {
 namespace {
@@ -60,15 +61,45 @@ bool keeps_axes(const Matrix& m) {
 }
 
 constexpr std::array<double, 9> kUnturned = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+constexpr Box kNowhere = {{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
+
+// The box of all items, of which loose boxes are known. Tight boxes cost much, so on each side only those items get one, by tight(i), whose loose
+// box reaches further than what is known.
+template <class Tight>
+Box around_all(const std::vector<Box>& loose, Tight&& tight) {
+  Box out = kNowhere;
+  std::vector<bool> done(loose.size());
+  std::vector<size_t> order(loose.size());
+  for (size_t side = 0; side < 6; ++side) {
+    const size_t d = side % 3;
+    const auto reach = [&](const Box& b) { return side < 3 ? -b.lo[d] : b.hi[d]; };
+    std::iota(order.begin(), order.end(), size_t{0});
+    std::ranges::stable_sort(order, [&](size_t a, size_t b) { return reach(loose[a]) > reach(loose[b]); });
+    for (const size_t i : order) {
+      if (reach(loose[i]) <= reach(out)) break;
+      if (!done[i]) extend(out, tight(i));
+      done[i] = true;
+    }
+  }
+  return out;
+}
 
 }  // namespace
 
-const Box& Boxes::loose(uint32_t shape) {
-  const auto [known, fresh] = loose_.try_emplace(shape);
-  if (!fresh) return known->second;
-  Bnd_Box box;
-  BRepBndLib::Add(model_.shapes[shape].shape, box, false);
-  return known->second = of(box);
+const Boxes::Faces& Boxes::faces_of(uint32_t shape) {
+  const auto [known, fresh] = faces_.try_emplace(shape);
+  Faces& faces = known->second;
+  if (!fresh) return faces;
+  faces.all = kNowhere;
+  for (TopExp_Explorer face(model_.shapes[shape].shape, TopAbs_FACE); face.More(); face.Next()) {
+    Bnd_Box box;
+    BRepBndLib::Add(face.Current(), box, false);
+    if (box.IsVoid()) continue;
+    faces.list.push_back(face.Current());
+    faces.loose.push_back(of(box));
+    extend(faces.all, faces.loose.back());
+  }
+  return faces;
 }
 
 Box Boxes::tight(const Instance& instance) {
@@ -78,42 +109,28 @@ Box Boxes::tight(const Instance& instance) {
   if (!turned) r = kUnturned;
   const auto [known, fresh] = tight_.try_emplace({instance.shape, r});
   if (fresh) {
-    TopoDS_Shape shape = model_.shapes[instance.shape].shape;
-    if (turned) {
-      gp_Trsf turn;
-      turn.SetValues(r[0], r[1], r[2], 0, r[3], r[4], r[5], 0, r[6], r[7], r[8], 0);
-      turn.SetScaleFactor(1);  // within the kernel's tolerance it is 1 already
-      shape = shape.Moved(TopLoc_Location(turn));
-    }
-    Bnd_Box box;
-    BRepBndLib::AddOptimal(shape, box, false, false);
-    known->second = of(box);
+    const Faces& faces = faces_of(instance.shape);
+    gp_Trsf turn;
+    if (turned) turn.SetValues(r[0], r[1], r[2], 0, r[3], r[4], r[5], 0, r[6], r[7], r[8], 0);
+    turn.SetScaleFactor(1);  // within the kernel's tolerance it is 1 already
+    std::vector<Box> loose;
+    for (const Box& b : faces.loose) loose.push_back(turned ? moved(b, {r[0], r[1], r[2], 0, r[3], r[4], r[5], 0, r[6], r[7], r[8], 0}) : b);
+    known->second = around_all(loose, [&](size_t i) {
+      Bnd_Box box;
+      BRepBndLib::AddOptimal(turned ? faces.list[i].Moved(TopLoc_Location(turn)) : faces.list[i], box, false, false);
+      return box.IsVoid() ? loose[i] : of(box);
+    });
   }
   if (!turned) return moved(known->second, instance.matrix);
   const Matrix& m = instance.matrix;
   return moved(known->second, {scale, 0, 0, m[3], 0, scale, 0, m[7], 0, 0, scale, m[11]});
 }
 
-// Tight boxes cost much, so on each side only those instances get one whose loose box reaches further than what is known.
 Box Boxes::around(const std::vector<Instance>& instances) {
-  std::vector<Box> boxes;
-  boxes.reserve(instances.size());
-  for (const Instance& i : instances) boxes.push_back(moved(loose(i.shape), i.matrix));
-  Box out = {{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
-  std::vector<bool> done(instances.size());
-  std::vector<size_t> order(instances.size());
-  for (size_t side = 0; side < 6; ++side) {
-    const size_t d = side % 3;
-    const auto reach = [&](const Box& b) { return side < 3 ? -b.lo[d] : b.hi[d]; };
-    std::iota(order.begin(), order.end(), size_t{0});
-    std::ranges::stable_sort(order, [&](size_t a, size_t b) { return reach(boxes[a]) > reach(boxes[b]); });
-    for (const size_t i : order) {
-      if (reach(boxes[i]) <= reach(out)) break;
-      if (!done[i]) extend(out, tight(instances[i]));
-      done[i] = true;
-    }
-  }
-  return out;
+  std::vector<Box> loose;
+  loose.reserve(instances.size());
+  for (const Instance& i : instances) loose.push_back(moved(faces_of(i.shape).all, i.matrix));
+  return around_all(loose, [&](size_t i) { return tight(instances[i]); });
 }
 
 }  // namespace teracell::step

@@ -25,10 +25,15 @@ class Boxes {
   Box around(const std::vector<Instance>& instances);
 
  private:
-  const Box& loose(uint32_t shape);
+  struct Faces {
+    std::vector<TopoDS_Shape> list;
+    std::vector<Box> loose;  // of each one, and
+    Box all;                 // of all
+  };
+  const Faces& faces_of(uint32_t shape);
   Box tight(const Instance& instance);
   const Model& model_;
-  std::map<uint32_t, Box> loose_;
+  std::map<uint32_t, Faces> faces_;
   std::map<std::pair<uint32_t, std::array<double, 9>>, Box> tight_;  // by shape and rotation
 };
 

@@ -1,14 +1,21 @@
 #include "tools/step/model.hpp"
 
-#include <BRepTools.hxx>
+#include <algorithm>
 #include <BRep_Builder.hxx>
+#include <BRepTools.hxx>
+#include <cctype>
+#include <cmath>
+#include <functional>
+#include <gp_Vec.hxx>
 #include <Interface_Static.hxx>
+#include <map>
 #include <Quantity_ColorRGBA.hxx>
-#include <STEPCAFControl_Reader.hxx>
-#include <STEPConstruct.hxx>
+#include <stdexcept>
 #include <StepBasic_Product.hxx>
 #include <StepBasic_ProductDefinition.hxx>
 #include <StepBasic_ProductDefinitionFormation.hxx>
+#include <STEPCAFControl_Reader.hxx>
+#include <STEPConstruct.hxx>
 #include <StepGeom_CartesianTransformationOperator3d.hxx>
 #include <StepGeom_Direction.hxx>
 #include <StepRepr_MappedItem.hxx>
@@ -17,16 +24,16 @@
 #include <StepShape_SolidModel.hxx>
 #include <TCollection_AsciiString.hxx>
 #include <TCollection_HAsciiString.hxx>
-#include <TDF_LabelSequence.hxx>
-#include <TDF_Tool.hxx>
 #include <TDataStd_Name.hxx>
 #include <TDataStd_TreeNode.hxx>
+#include <TDF_LabelSequence.hxx>
+#include <TDF_Tool.hxx>
 #include <TDocStd_Document.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopLoc_Location.hxx>
 #include <TopoDS_Compound.hxx>
-#include <TransferBRep.hxx>
 #include <Transfer_TransientProcess.hxx>
+#include <TransferBRep.hxx>
 #include <XCAFDoc.hxx>
 #include <XCAFDoc_ColorTool.hxx>
 #include <XCAFDoc_DocumentTool.hxx>
@@ -35,12 +42,6 @@
 #include <XCAFDoc_Volume.hxx>
 #include <XSControl_TransferReader.hxx>
 #include <XSControl_WorkSession.hxx>
-#include <algorithm>
-#include <cctype>
-#include <cmath>
-#include <gp_Vec.hxx>
-#include <map>
-#include <stdexcept>
 
 namespace teracell::step {
 namespace {
@@ -50,7 +51,9 @@ std::string text_of(const Handle(TCollection_HAsciiString) & text) { return text
 // Whether the third axis, where it is given, points against the product of the other two.
 bool mirrors(const Handle(StepGeom_CartesianTransformationOperator3d) & by) {
   if (!by->HasAxis1() || !by->HasAxis2() || !by->HasAxis3()) return false;
-  const auto axis = [](const Handle(StepGeom_Direction) & d) { return gp_Vec(d->DirectionRatiosValue(1), d->DirectionRatiosValue(2), d->DirectionRatiosValue(3)); };
+  const auto axis = [](const Handle(StepGeom_Direction) & d) {
+    return gp_Vec(d->DirectionRatiosValue(1), d->DirectionRatiosValue(2), d->DirectionRatiosValue(3));
+  };
   return axis(by->Axis1()).Crossed(axis(by->Axis2())).Dot(axis(by->Axis3())) < 0;
 }
 
@@ -75,7 +78,8 @@ Matrix matrix_of(const TopLoc_Location& location) {
 
 // A colour as STEP has it, which is sRGB: "#rrggbb", or "#rrggbbaa" where it is not opaque.
 std::string text_of(const Quantity_ColorRGBA& color) {
-  std::string out = TCollection_AsciiString(color.Alpha() < 1 ? Quantity_ColorRGBA::ColorToHex(color) : Quantity_Color::ColorToHex(color.GetRGB())).ToCString();
+  std::string out =
+      TCollection_AsciiString(color.Alpha() < 1 ? Quantity_ColorRGBA::ColorToHex(color) : Quantity_Color::ColorToHex(color.GetRGB())).ToCString();
   std::ranges::transform(out, out.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   return out;
 }
@@ -104,6 +108,29 @@ void name_all(const Handle(XSControl_WorkSession) & session) {
   }
 }
 
+// A file of some kilobytes can describe more occurrences than there is memory, and OpenCASCADE makes each of them.
+void refuse_too_many(const Handle(XSControl_WorkSession) & session) {
+  constexpr double kMost = 1 << 20;
+  const Handle(Interface_InterfaceModel) model = session->Model();
+  std::unordered_map<const void*, std::vector<const void*>> below;
+  for (int i = 1; i <= model->NbEntities(); ++i) {
+    const auto use = Handle(StepRepr_NextAssemblyUsageOccurrence)::DownCast(model->Value(i));
+    if (!use.IsNull()) below[use->RelatingProductDefinition().get()].push_back(use->RelatedProductDefinition().get());
+  }
+  constexpr int kDeepest = 512;
+  std::unordered_map<const void*, double> known;
+  const std::function<double(const void*, int)> places = [&](const void* product, int depth) -> double {
+    if (depth > kDeepest) throw std::runtime_error("expected at most 512 levels of products in products, found more: does a product contain itself?");
+    if (const auto found = known.find(product); found != known.end()) return found->second;
+    double sum = 1;
+    if (const auto uses = below.find(product); uses != below.end())
+      for (const void* part : uses->second) sum += places(part, depth + 1);
+    return known[product] = sum;
+  };
+  for (const auto& [product, uses] : below)
+    if (places(product, 1) > kMost) throw std::runtime_error("expected at most 1,048,576 occurrences of products, found more");
+}
+
 // OpenCASCADE reads these operators as if they only moved and turned.
 void refuse_scales(const Handle(XSControl_WorkSession) & session) {
   const Handle(Interface_InterfaceModel) model = session->Model();
@@ -116,7 +143,8 @@ void refuse_scales(const Handle(XSControl_WorkSession) & session) {
       throw std::runtime_error("it places a shape by an operator that scales by " + std::to_string(by->Scale()) +
                                " (CARTESIAN_TRANSFORMATION_OPERATOR_3D), which the CAD kernel does not support");
     if (mirrors(by))
-      throw std::runtime_error("it places a shape by an operator that mirrors (CARTESIAN_TRANSFORMATION_OPERATOR_3D), which the CAD kernel does not support");
+      throw std::runtime_error(
+          "it places a shape by an operator that mirrors (CARTESIAN_TRANSFORMATION_OPERATOR_3D), which the CAD kernel does not support");
   }
 }
 
@@ -132,6 +160,7 @@ class Reader {
     reader_.SetSHUOMode(false);
     reader_.SetGDTMode(false);
     if (reader_.ReadFile(path.c_str()) != IFSelect_RetDone) throw std::runtime_error("the CAD kernel can't read it as a STEP file");
+    refuse_too_many(reader_.Reader().WS());
     name_all(reader_.Reader().WS());
     refuse_scales(reader_.Reader().WS());
     if (!reader_.Transfer(document_)) throw std::runtime_error("the CAD kernel finds no shape in it");
@@ -155,7 +184,8 @@ class Reader {
     const Handle(Transfer_TransientProcess) process = session->TransferReader()->TransientProcess();
     for (int i = 1; i <= model->NbEntities(); ++i) {
       const auto item = Handle(StepRepr_RepresentationItem)::DownCast(model->Value(i));
-      if (item.IsNull() || (!item->IsKind(STANDARD_TYPE(StepShape_SolidModel)) && !item->IsKind(STANDARD_TYPE(StepShape_ShellBasedSurfaceModel)))) continue;
+      if (item.IsNull() || (!item->IsKind(STANDARD_TYPE(StepShape_SolidModel)) && !item->IsKind(STANDARD_TYPE(StepShape_ShellBasedSurfaceModel))))
+        continue;
       const TopoDS_Shape shape = STEPConstruct::FindShape(process, item);
       if (!shape.IsNull()) entity_name_[shape.TShape().get()] = text_of(item->Name());
     }

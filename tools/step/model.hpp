@@ -1,10 +1,10 @@
 // A STEP file as OpenCASCADE reads it: the tree of its products and occurrences, and each distinct solid once. Lengths are in millimetres,
 // into which the kernel converts every unit.
 #pragma once
-#include <TopoDS_Shape.hxx>
 #include <array>
 #include <optional>
 #include <string>
+#include <TopoDS_Shape.hxx>
 #include <unordered_map>
 #include <vector>
 

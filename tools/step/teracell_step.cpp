@@ -1,7 +1,8 @@
 // teracell-step: reads a STEP file with OpenCASCADE for teracell, which talks to it through two pipes. It is a program of its own so that a
 // crash, a hang or gigabytes inside the CAD kernel cost one file and not the run.
 //
-// It reads the file that is open as descriptor 3 and writes lines of JSON: {"outline": ...} first. Then it takes commands, one at a time:
+// It reads the file that is open as descriptor 3 and writes lines of JSON: {"kernel": "OpenCASCADE 7.6.3"} at once, {"outline": ...} when it has read
+// the file. Then it takes commands, one at a time:
 //   box N, then N lines "SHAPE M0 .. M11"            answers {"box": [x0, y0, z0, x1, y1, z1]} around instances of shapes
 //   facets DEFLECTION ANGLE THREADS PATH             writes PATH, says {"progress": share} and at last {"done": true}
 // Lengths are in millimetres, angles in degrees. {"error": "..."} is the last line of a session that failed. It ends with its input.
@@ -9,11 +10,6 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include <Message.hxx>
-#include <Message_Messenger.hxx>
-#include <Message_Printer.hxx>
-#include <Standard_Failure.hxx>
-#include <Standard_Version.hxx>
 #include <atomic>
 #include <condition_variable>
 #include <cstdio>
@@ -21,10 +17,15 @@
 #include <cstring>
 #include <deque>
 #include <iostream>
+#include <Message.hxx>
+#include <Message_Messenger.hxx>
+#include <Message_Printer.hxx>
 #include <mutex>
 #include <new>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <Standard_Failure.hxx>
+#include <Standard_Version.hxx>
 #include <thread>
 
 #include "tools/step/boxes.hpp"
@@ -127,7 +128,8 @@ void obey(const std::string& command, Commands& commands, Answers& answers, cons
   Tolerances tolerances{};
   line >> deflection >> angle >> tolerances.threads;
   tolerances.deflection = std::strtod(deflection.c_str(), nullptr), tolerances.angle = std::strtod(angle.c_str(), nullptr);
-  if (verb != "facets" || line.get() != ' ' || !std::getline(line, path) || !(tolerances.deflection > 0) || !(tolerances.angle > 0) || tolerances.threads < 1)
+  if (verb != "facets" || line.get() != ' ' || !std::getline(line, path) || !(tolerances.deflection > 0) || !(tolerances.angle > 0) ||
+      tolerances.threads < 1)
     throw std::runtime_error("expected a command, found " + command);
   write_facets(model, tolerances, path, [&](double share) { answers.say({{"progress", share}}); });
   answers.say({{"done", true}});
@@ -135,6 +137,7 @@ void obey(const std::string& command, Commands& commands, Answers& answers, cons
 
 void serve(Answers& answers) {
   Commands commands;
+  answers.say({{"kernel", kKernel}});
   const Model model = read_model("/dev/fd/3");
   Boxes boxes(model);
   answers.say({{"outline", outline_json(model)}});
@@ -167,13 +170,11 @@ void limit(int what, rlim_t most) {
 
 int main(int count, char** words) {
   using namespace teracell::step;
-  if (count == 2 && std::strcmp(words[1], "--version") == 0) {
-    std::puts(kKernel);
-    return 0;
-  }
   if (count != 3 || std::strcmp(words[1], "--memory") != 0) {
-    std::fputs("teracell-step reads STEP files for teracell with OpenCASCADE. It is not called by people: `teracell mesh part.step` and `teracell info part.step` call it.\n"
-               "usage: teracell-step --version | --memory BYTES\n", stderr);
+    std::fputs(
+        "teracell-step reads STEP files for teracell with OpenCASCADE. It is not called by people: `teracell mesh part.step` and `teracell info part.step` call it.\n"
+        "usage: teracell-step --memory BYTES\n",
+        stderr);
     return 2;
   }
   limit(RLIMIT_CORE, 0);

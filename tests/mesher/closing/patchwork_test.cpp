@@ -8,7 +8,6 @@ namespace teracell::mesher {
 namespace {
 
 using namespace testing;
-using patchworks::Patches;
 using shapes::Facets;
 
 std::vector<uint32_t> cells_of(const Facets& facets, const Grid& grid, Fill fill = Fill::kAuto) {
@@ -51,7 +50,7 @@ const Grid kSphereGrid = cube_grid(-1.07, 1.05, kSphereCells);
 const double kStitch = kSphereGrid.axis[0].step() / 4;  // the default
 
 std::vector<uint32_t> cells_of_six(const std::function<Facets(const Facets&, size_t)>& spoil) {
-  Patches patches = patchworks::cube_sphere({0, 0, 0}, 1, 12);
+  patchworks::Patches patches = patchworks::cube_sphere({0, 0, 0}, 1, 12);
   for (size_t i = 0; i < patches.size(); ++i) patches[i] = spoil(patches[i], i);
   return cells_of(shapes::join(patches), kSphereGrid);
 }
@@ -108,7 +107,7 @@ TEST_CASE("Random patchworks have the cells that their winding number is above o
     const std::vector<Facets> closed = {shapes::sphere({0.1, 0.2, 0.3}, 3.5, 3), shapes::torus({0, 0.1, 0}, 2.5, 1.3, 24, 16),
                                         patchworks::refined(shapes::l_shape({-3, -3, -2}, 6, 2.5, 4), 2),
                                         patchworks::refined(shapes::box({-3.1, -2.9, -2}, {3.3, 3.2, 3.4}), 2)};
-    Patches patches =
+    patchworks::Patches patches =
         seed / 4 % 2 == 0 ? patchworks::cut_by_planes(closed[seed % 4], random, 3) : patchworks::cut_by_seeds(closed[seed % 4], random, 6);
     for (Facets& patch : patches) {
       if (random_int(random, 0, 1) == 0) patch = patchworks::chords(patch, random, 0.5, stitch / 2);

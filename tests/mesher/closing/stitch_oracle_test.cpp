@@ -9,7 +9,6 @@ namespace {
 using namespace testing;
 using oracle::Body;
 using oracle::Rule;
-using patchworks::Patches;
 using shapes::Facets;
 
 bool chance(std::mt19937_64& random, int percent) { return random_int(random, 1, 100) <= percent; }
@@ -34,8 +33,8 @@ Facets closed_surface(std::mt19937_64& random) {
 // A surface whose seams gape by about `gap`.
 Facets torn(std::mt19937_64& random, double gap) {
   const Facets whole = closed_surface(random);
-  Patches patches = chance(random, 50) ? patchworks::cut_by_seeds(whole, random, static_cast<size_t>(random_int(random, 1, 4)))
-                                       : patchworks::cut_by_planes(whole, random, random_int(random, 1, 2));
+  patchworks::Patches patches = chance(random, 50) ? patchworks::cut_by_seeds(whole, random, static_cast<size_t>(random_int(random, 1, 4)))
+                                                   : patchworks::cut_by_planes(whole, random, random_int(random, 1, 2));
   for (Facets& patch : patches) {
     if (chance(random, 30)) patch = patchworks::chords(patch, random, 0.5, gap);
     if (chance(random, 40))

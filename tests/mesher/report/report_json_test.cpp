@@ -70,6 +70,40 @@ TEST_CASE("Counts beyond 64 bits are whole in a report, as numbers and as texts"
   CHECK(read.bodies[1].cells == 17);
 }
 
+TEST_CASE("What the CAD kernel said of an input stands with it, and is read as it was written", "[report][cad]") {
+  Report report = full_report();
+  CadReport said;
+  said.kernel = "OpenCASCADE 7.6.3", said.key = "00ff", said.hash = "ff00", said.deflection = 0.125, said.angle = 12, said.parts_left_out = 5;
+  CadPartReport& nut = said.parts.emplace_back();
+  nut.path = "/as1/ナット", nut.instances = 8, nut.faces = 10, nut.faces_without_facets = 1, nut.closed = true;
+  nut.facet_volume = 291.5, nut.kernel_volume = 291.75, nut.sender_volume = 350;
+  said.parts.emplace_back().path = "/as1/open";
+  report.inputs.push_back({"as1.step", "STEP", "0f", 77, "in", 25.4, said});
+  const std::string text = report_json(report, small_scene());
+  const auto json = ordered_json::parse(text);
+  CHECK_FALSE(json["inputs"][0].contains("cad"));
+  const auto& cad = json["inputs"][2]["cad"];
+  CHECK(cad["kernel"] == "OpenCASCADE 7.6.3");
+  CHECK(cad["facets_hash"] == "ff00");
+  CHECK(cad["deflection"] == 0.125);
+  const auto& part = cad["parts"][0];
+  CHECK(part["path"] == "/as1/ナット");
+  CHECK(part["instances"] == 8);
+  CHECK(part["faces"] == 10);
+  CHECK(part["faces_without_facets"] == 1);
+  CHECK(part["closed"] == true);
+  CHECK(part["facet_volume"] == 291.5);
+  CHECK(part["kernel_volume"] == 291.75);
+  CHECK(part["sender_volume"] == 350);
+  CHECK(cad["parts"][1]["kernel_volume"].is_null());
+  CHECK(cad["parts_left_out"] == 5);
+  const Report read = parse_report(text);
+  REQUIRE(read.inputs[2].cad);
+  CHECK(read.inputs[2].cad->parts[0].sender_volume == 350);
+  CHECK_FALSE(read.inputs[0].cad);
+  CHECK(report_json(read, small_scene()) == text);
+}
+
 TEST_CASE("Overlaps are listed by pair, with their owner if it is one of the two", "[report]") {
   const auto json = ordered_json::parse(report_json(full_report(), small_scene()));
   CHECK(json["overlaps"]["pairs"] == 3);

@@ -1,7 +1,7 @@
 // Temporary files, and records that wait in them by bucket.
 #include "store/base/spill.hpp"
 
-#include "mesher/surface/buckets.hpp"
+#include "mesher/closing/buckets.hpp"
 #include "store/base/error.hpp"
 #include "tests/support/descriptors.hpp"
 #include "tests/support/meshed.hpp"

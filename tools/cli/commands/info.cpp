@@ -120,9 +120,35 @@ void print_body(const std::string& title, const BodyReport& b, const std::string
     detail("degenerate", fmt::format("{} without area: they change nothing, as no ray crosses them", counted(b.counts.degenerate, "facet")));
 }
 
+// What the CAD kernel, the facets, the sender and the grid say of the volume of a body, as far as each of them knows.
+void print_volumes(const CadReport& cad, const std::string& units) {
+  double facets = 0;
+  std::optional<double> kernel = 0, sender = 0;
+  uint64_t without = 0, faces = 0;
+  const auto add = [](std::optional<double>& sum, const std::optional<double>& v, uint64_t times) {
+    sum = sum && v ? std::optional(*sum + *v * static_cast<double>(times)) : std::nullopt;
+  };
+  for (const CadPartReport& p : cad.parts) {
+    facets += p.facet_volume * static_cast<double>(p.instances);
+    add(kernel, p.kernel_volume, p.instances), add(sender, p.sender_volume, p.instances);
+    without += p.instances * p.faces_without_facets, faces += p.instances * p.faces;
+  }
+  if (cad.parts_left_out == 0) {
+    const auto text = [&](const std::optional<double>& v) { return v ? number_text(*v, 6) : "-"; };
+    detail("volumes", fmt::format("CAD kernel {}, facets {}, sender {}, grid {}{} {}³", text(kernel), text(facets), text(sender),
+                                  text(cad.grid_volume), cad.by_shares ? " by shares" : "", units));
+  }
+  detail("facets of", fmt::format("{} by {}, within {} {} and {}°", counted(faces, "face"), cad.kernel, number_text(cad.deflection, 3), units,
+                                  number_text(cad.angle, 3)));
+  if (without > 0) detail("", fmt::format("none of {} of these", counted(without, "face")));
+}
+
 void print_report(const Report& report, const std::string& units) {
   std::string title = "bodies";
-  for (const BodyReport& b : report.bodies) print_body(std::exchange(title, ""), b, units);
+  for (size_t i = 0; i < report.bodies.size(); ++i) {
+    print_body(std::exchange(title, ""), report.bodies[i], units);
+    if (i < report.inputs.size() && report.inputs[i].cad) print_volumes(*report.inputs[i].cad, units);
+  }
   if (const std::string overlaps = overlaps_text(report); !overlaps.empty()) row("overlaps", overlaps);
   title = "gaps";
   if (report.lost_gaps)
@@ -222,7 +248,7 @@ void run(const InfoArguments& o) {
 
 Run setup_info(CLI::App& app) {
   const auto o = std::make_shared<InfoArguments>();
-  app.add_option("files", o->files, "grids, or surfaces and assemblies: .tcell files, addresses of grids, STL, OBJ, PLY, OFF, 3MF, glTF")
+  app.add_option("files", o->files, "grids, or surfaces and assemblies: .tcell files, addresses of grids, STL, OBJ, PLY, OFF, 3MF, glTF, STEP")
       ->required()
       ->type_name("FILE");
   add_source_options(app, o->source);

@@ -74,8 +74,10 @@ void add_mesh_options(CLI::App& app, MeshArguments& o, bool of_many) {
       "open edges of solids that are closer than this are joined; in the units of the grid (default: a quarter of the shortest cell edge; 0 joins none)");
   app.add_option("--deflection", o.deflection,
                  "of STEP files: the largest distance between a surface and its facets, in the units of the grid, or in cells, as 0.1c (default)");
-  app.add_option("--angle", o.angle, "of STEP files: the largest angle between neighbouring chords, in degrees (default 12)")->check(in_range(0.1, 90));
-  app.add_flag("--face-patches", o.face_patches, "of STEP files: the faces of a part that have a colour of their own are patches, such as /as1/plate:red");
+  app.add_option("--angle", o.angle, "of STEP files: the largest angle between neighbouring chords, in degrees (default 12)")
+      ->check(in_range(0.1, 90));
+  app.add_flag("--face-patches", o.face_patches,
+               "of STEP files: the faces of a part that have a colour of their own are patches, such as /as1/plate:red");
   add_cad_limits(app, o.cad);
   app.add_flag(
       "--thin", o.thin,

@@ -390,7 +390,7 @@ def info(path):
 
 
 def mesh(scene, output, *, folder=".", units=None, by_part=False, cells=None, step=None, pad=None, axis=None, engine=None, threads=0, memory=None, tmp=None, thin=False,
-         fractions=None, links=False, resume=False, progress=None):
+         fractions=None, links=False, resume=False, deflection=None, angle=None, face_patches=False, cad_memory=None, cad_seconds=None, progress=None):
     """Meshes a scene and returns the Grid. The file appears under the name `output` only when it is complete.
 
     scene     a scene file; a surface or an assembly, or a list of these; or a scene as a dict, whose paths are relative to `folder`
@@ -403,6 +403,10 @@ def mesh(scene, output, *, folder=".", units=None, by_part=False, cells=None, st
     memory    bytes that the run may take (default: a quarter of the machine's); larger surfaces are spilled to `tmp`
     fractions keep the shares of materials in cells that a boundary cuts, counted over so many sub-samples per cell along (x, y, z)
     links     keep where labels change between neighbouring sample points
+    deflection, angle  of STEP files: the largest distance between a surface and its facets, a length in the units of the grid or cells ("0.1c", the
+              default), and the largest angle between neighbouring chords in degrees (12)
+    face_patches  of STEP files: the faces of a part that have a colour of their own are patches
+    cad_memory, cad_seconds  bytes and seconds that the CAD kernel may take for a STEP file
     progress  a function that is called with the phase and the share of it that is done; what it raises ends the run
 
     The report of the run is the attribute `report` of the grid that is returned.
@@ -433,7 +437,9 @@ def mesh(scene, output, *, folder=".", units=None, by_part=False, cells=None, st
                "pad": _given(pad, lambda n: whole("pad", n, 0)), "axis": _given(axis, "xyz".index), "engine": _given(engine, str),
                "threads": whole("threads", threads, 0, 1024), "memory": _given(memory, lambda n: whole("memory", n, 1, (1 << 63) - 1)),
                "tmp": _given(tmp, lambda path: os.fsencode(path_of(path))), "thin": bool(thin), "links": bool(links),
-               "fractions": _given(fractions, lambda n: [whole("fractions", m, 1, 256) for m in wholes("fractions", n, 3)]), "resume": bool(resume)}
+               "fractions": _given(fractions, lambda n: [whole("fractions", m, 1, 256) for m in wholes("fractions", n, 3)]), "resume": bool(resume),
+               "deflection": _given(deflection, str), "angle": _given(angle, lambda a: _length(a, "angle")), "face_patches": bool(face_patches),
+               "cad_memory": _given(cad_memory, lambda n: whole("cad_memory", n, 1, (1 << 63) - 1)), "cad_seconds": _given(cad_seconds, lambda s: _length(s, "cad_seconds"))}
     report = _native.mesh(text, os.fsencode(base), surfaces, os.fsencode(path_of(output)), options, progress)
     grid = Grid(output)
     grid.report = json.loads(report)
@@ -447,11 +453,11 @@ def _given(value, convert):
     return None if value is None else convert(value)
 
 
-def _length(step):
+def _length(value, name="step"):
     try:
-        return float(step)
+        return float(value)
     except (TypeError, ValueError, OverflowError):
-        raise UsageError(f"step: expected a number, found {shown(step)}") from None
+        raise UsageError(f"{name}: expected a number, found {shown(value)}") from None
 
 
 def _level_of(opened, number):

@@ -103,8 +103,10 @@ class Grid(Level):
 
 def open(path: _Path, *, cache_dir: _Path | None = None, cache_dir_size: int | None = None, endpoint: str | None = None,
          allow_http: bool = False) -> Grid: ...
-def mesh(scene: _Path | Sequence[_Path] | Mapping[str, Any], output: _Path, *, folder: _Path = ".", cells: int | tuple[int, int, int] | None = None,
+def mesh(scene: _Path | Sequence[_Path] | Mapping[str, Any], output: _Path, *, folder: _Path = ".", units: str | None = None, by_part: bool = False,
+         cells: int | tuple[int, int, int] | None = None,
          step: float | None = None, pad: int | None = None, axis: str | None = None, engine: str | None = None, threads: int = 0,
          memory: int | None = None, tmp: _Path | None = None, thin: bool = False,
-         fractions: Sequence[int] | None = None, links: bool = False, resume: bool = False,
+         fractions: Sequence[int] | None = None, links: bool = False, resume: bool = False, deflection: float | str | None = None, angle: float | None = None,
+         face_patches: bool = False, cad_memory: int | None = None, cad_seconds: float | None = None,
          progress: Callable[[str, float], object] | None = None) -> Grid: ...

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <memory>
 
-namespace teracell::mesher {
+namespace teracell::inline store {
 
 // A hint: before Linux 5.14 the kernel can't do this, and pages come one by one.
 inline void populate(void* memory, size_t bytes) {
@@ -35,4 +35,4 @@ struct Populated : std::allocator<T> {
   }
 };
 
-}  // namespace teracell::mesher
+}  // namespace teracell::inline store
