@@ -95,7 +95,7 @@ std::optional<double> number_or_null(const JsonNode& j, std::string_view key) {
   return n.is_null() ? std::nullopt : std::optional(n.number());
 }
 
-// The bytes of an entry from front to back, hashed.
+// The bytes of an entry from front to back.
 class EntryReader {
  public:
   EntryReader(const FacetCache::Entry& entry, std::string name) : entry_(entry), name_(std::move(name)) {}
@@ -109,21 +109,18 @@ class EntryReader {
     }
   }
   uint64_t left() const { return entry_.size - at_ + (block_.size() - used_); }
-  std::string hash() const { return hex(hash_.digest()); }
-  [[noreturn]] void fail(const std::string& what) const { throw FormatError(fmt::format("{}: the facets that were kept: {}", name_, what)); }
+  [[noreturn]] void fail(const std::string& what) const { throw FormatError(fmt::format("{}: the CAD kernel's facets: {}", name_, what)); }
 
  private:
   void refill() {
     if (at_ == entry_.size) fail("too short");
     block_.resize(std::min<uint64_t>(entry_.size - at_, 1 << 18));
     if (entry_.file.read(at_, block_) < block_.size()) fail("can't be read");
-    hash_.add(block_);
     at_ += block_.size();
     used_ = 0;
   }
   const FacetCache::Entry& entry_;
   const std::string name_;
-  ContentHash hash_;
   Bytes block_;
   size_t used_ = 0;
   uint64_t at_ = 0;
@@ -169,7 +166,8 @@ std::string CadModel::find_version() {
   const std::string text = kernel_->ask("", "kernel", options_);
   const std::string version = naming(name_, [&] {
     const Json json = parse_json(text, "the CAD kernel's name");
-    return JsonNode(json, "the CAD kernel's name").json().at("kernel").get<std::string>();
+    const JsonNode root(json, "the CAD kernel's name");
+    return root.require("kernel").text();
   });
   cache_.add_text(k, version);
   return version;
@@ -191,29 +189,27 @@ KernelProcess& CadModel::kernel() {
   if (!kernel_ && (kernel_ = idle_kernels().take(file_hash_))) read_ = true;
   if (kernel_ && !kernel_->is_alive()) kernel_.reset(), read_ = false;
   if (!kernel_) start();
-  if (!read_) cache_.add_text(key("outline"), kernel_->ask("", "outline", options_));
+  if (!read_) kernel_->ask("", "outline", options_);
   read_ = true;
   return *kernel_;
 }
 
-std::string CadModel::asked(const std::string& what, const std::string& command, const std::string& answer) {
-  const std::string k = key(what);
-  if (auto known = cache_.find_text(k)) return *known;
-  const std::string found = kernel().ask(command, answer, options_);
-  cache_.add_text(k, found);
-  return found;
-}
-
 CadModel::Outline CadModel::outline() {
   std::optional<std::string> text = cache_.find_text(key("outline"));
-  if (!text) {
+  const bool fresh = !text;
+  if (fresh) {
     if (!kernel_) start();
     text = kernel_->ask("", "outline", options_);
     read_ = true;
-    cache_.add_text(key("outline"), *text);
   }
+  Outline out = outline_in(*text);
+  if (fresh) cache_.add_text(key("outline"), *text);
+  return out;
+}
+
+CadModel::Outline CadModel::outline_in(const std::string& text) const {
   return naming(name_, [&] {
-    const Json json = parse_json(*text, "the CAD kernel's outline");
+    const Json json = parse_json(text, "the CAD kernel's outline");
     const JsonNode root(json, "the CAD kernel's outline");
     const JsonNode outline = root.require("outline");
     Outline out;
@@ -241,13 +237,16 @@ CadModel::Outline CadModel::outline() {
 std::array<Vec3, 2> CadModel::box(const std::vector<CadInstance>& instances) {
   std::string command = fmt::format("box {}\n", instances.size());
   for (const CadInstance& i : instances) command += fmt::format("{} {}\n", i.shape, fmt::join(i.matrix, " "));
-  const std::string text = asked(command, command, "box");
-  return naming(name_, [&] {
+  const std::optional<std::string> known = cache_.find_text(key(command));
+  const std::string text = known ? *known : kernel().ask(command, "box", options_);
+  const auto out = naming(name_, [&] {
     const Json json = parse_json(text, "the CAD kernel's box");
     const JsonNode root(json, "the CAD kernel's box");
     const auto b = root.require("box").numbers<6>();
     return std::array{Vec3{b[0], b[1], b[2]}, Vec3{b[3], b[4], b[5]}};
   });
+  if (!known) cache_.add_text(key(command), text);
+  return out;
 }
 
 CadFacts CadModel::add_facets(Shapes& shapes, double deflection, const Factor& factor, std::vector<CadShape> facts) {
@@ -263,7 +262,13 @@ CadFacts CadModel::add_facets(Shapes& shapes, double deflection, const Factor& f
                      "done", options_);
       });
   }
-  EntryReader in(*entry, name_);
+  out.hash = entry->hash;
+  naming(name_, [&] { read_facets_of(*entry, shapes, factor, out); });
+  return out;
+}
+
+void CadModel::read_facets_of(const FacetCache::Entry& entry, Shapes& shapes, const Factor& factor, CadFacts& out) const {
+  EntryReader in(entry, name_);
   char magic[kMagicSize];
   uint64_t head_size = 0;
   in.read(magic, sizeof magic);
@@ -301,12 +306,7 @@ CadFacts CadModel::add_facets(Shapes& shapes, double deflection, const Factor& f
       }
     });
   }
-  out.hash = in.hash();
-  if (in.left() > 0 || out.hash != hash_behind(*entry)) {
-    cache_.remove(out.key);
-    in.fail("they are damaged: expected other bytes, by their hash; they are removed and will be made again");
-  }
-  return out;
+  if (in.left() > 0) in.fail("expected nothing more");
 }
 
 }  // namespace teracell::mesher

@@ -47,7 +47,8 @@ class CadModel {
   void start();
   std::string key(const std::string& what) const;
   KernelProcess& kernel();
-  std::string asked(const std::string& what, const std::string& command, const std::string& answer);
+  Outline outline_in(const std::string& text) const;
+  void read_facets_of(const FacetCache::Entry& entry, Shapes& shapes, const Factor& factor, CadFacts& out) const;
   const std::string name_;
   const CadOptions& options_;
   FacetCache cache_;

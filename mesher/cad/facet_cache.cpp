@@ -45,9 +45,9 @@ void for_each_block(const Descriptor& file, uint64_t size, F&& f) {
   }
 }
 
-std::array<uint8_t, kHash> hash_of(const FacetCache::Entry& entry) {
+std::array<uint8_t, kHash> hash_of(const Descriptor& file, uint64_t size) {
   ContentHash hash;
-  for_each_block(entry.file, entry.size, [&](std::span<const uint8_t> block) { hash.add(block); });
+  for_each_block(file, size, [&](std::span<const uint8_t> block) { hash.add(block); });
   return hash.digest();
 }
 
@@ -64,10 +64,13 @@ fs::path FacetCache::path_of(const std::string& key) const { return folder_ / (k
 
 std::optional<FacetCache::Entry> FacetCache::find(const std::string& key) const {
   if (folder_.empty()) return std::nullopt;
-  Entry entry{opened(path_of(key), O_RDONLY), 0};
+  Entry entry{opened(path_of(key), O_RDONLY), 0, ""};
   struct stat s;
   if (!entry.file || ::fstat(entry.file.get(), &s) != 0 || !S_ISREG(s.st_mode) || s.st_size < static_cast<off_t>(kHash)) return std::nullopt;
   entry.size = static_cast<uint64_t>(s.st_size) - kHash;
+  std::array<uint8_t, kHash> behind{};
+  if (entry.file.read(entry.size, behind) < kHash || hash_of(entry.file, entry.size) != behind) return std::nullopt;
+  entry.hash = hex(behind);
   ::utimensat(AT_FDCWD, path_of(key).c_str(), nullptr, 0);  // those that were not used for longest go first
   return entry;
 }
@@ -75,7 +78,6 @@ std::optional<FacetCache::Entry> FacetCache::find(const std::string& key) const 
 std::optional<std::string> FacetCache::find_text(const std::string& key) const {
   const std::optional<Entry> entry = find(key);
   if (!entry || entry->size > uint64_t{1} << 30) return std::nullopt;
-  if (hex(hash_of(*entry)) != hash_behind(*entry)) return std::nullopt;
   std::string text(entry->size, '\0');
   entry->file.read(0, {reinterpret_cast<uint8_t*>(text.data()), text.size()});
   return text;
@@ -83,14 +85,15 @@ std::optional<std::string> FacetCache::find_text(const std::string& key) const {
 
 FacetCache::Entry FacetCache::add(const std::string& key, const std::function<void(const std::string&)>& make) const {
   std::string name = ((folder_.empty() ? other_ : folder_) / (key + "-XXXXXX" + kUnfinished)).string();
-  Entry entry{Descriptor(::mkostemps(name.data(), static_cast<int>(std::strlen(kUnfinished)), O_CLOEXEC)), 0};
+  Entry entry{Descriptor(::mkostemps(name.data(), static_cast<int>(std::strlen(kUnfinished)), O_CLOEXEC)), 0, ""};
   if (!entry.file) fail_at(name, "can't create", errno);
   try {
     make(name);
     struct stat s;
     if (::fstat(entry.file.get(), &s) != 0) fail_at(name, "can't read", errno);
     entry.size = static_cast<uint64_t>(s.st_size);
-    const auto hash = hash_of(entry);
+    const auto hash = hash_of(entry.file, entry.size);
+    entry.hash = hex(hash);
     if (entry.file.write(entry.size, hash) < hash.size()) fail_at(name, "can't write", errno);
     if (!folder_.empty() && ::rename(name.c_str(), path_of(key).c_str()) != 0) fail_at(path_of(key), "can't create", errno);
   } catch (...) {
@@ -111,10 +114,6 @@ void FacetCache::add_text(const std::string& key, const std::string& text) const
     });
   } catch (const IoError&) {
   }
-}
-
-void FacetCache::remove(const std::string& key) const {
-  if (!folder_.empty()) ::unlink(path_of(key).c_str());
 }
 
 // Others of the same machine wait a tenth of a second at a time, because a lock can't be waited for together with the user's wish to stop.
@@ -151,12 +150,6 @@ void FacetCache::make_room(uint64_t bytes) const {
     if (all <= kMostBytes) return;
     if (::unlink(path.c_str()) == 0) all -= size;
   }
-}
-
-std::string hash_behind(const FacetCache::Entry& entry) {
-  std::array<uint8_t, kHash> hash{};
-  entry.file.read(entry.size, hash);
-  return hex(hash);
 }
 
 }  // namespace teracell::mesher

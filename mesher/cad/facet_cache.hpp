@@ -17,17 +17,16 @@ class FacetCache {
   // Empty: that of the user. Where it can't be used, entries live in the budget's folder as long as they are open.
   FacetCache(std::filesystem::path folder, const Budget& budget);
 
-  // An entry, open, and its size without the hash. Not checked yet: whoever reads all of it compares the hash.
   struct Entry {
     Descriptor file;
-    uint64_t size;
+    uint64_t size;     // without the hash
+    std::string hash;  // XXH3-128 of these bytes, 32 hex digits
   };
   std::optional<Entry> find(const std::string& key) const;
-  std::optional<std::string> find_text(const std::string& key) const;  // checked
+  std::optional<std::string> find_text(const std::string& key) const;
   // The entry that `make` writes under the path that it gets, with its hash put behind. What `make` throws passes through, and nothing is left.
   Entry add(const std::string& key, const std::function<void(const std::string& path)>& make) const;
   void add_text(const std::string& key, const std::string& text) const;  // a text that can't be kept is not
-  void remove(const std::string& key) const;
 
   // Held by the process that makes an entry, so that others wait for it instead of making it as well. `waiting` is called now and then, and may
   // throw. A folder without locks gives none.
@@ -39,8 +38,5 @@ class FacetCache {
   std::filesystem::path folder_;  // empty: nothing is kept
   std::filesystem::path other_;
 };
-
-// XXH3-128 of what an entry holds, as it stands behind it.
-std::string hash_behind(const FacetCache::Entry& entry);
 
 }  // namespace teracell::mesher

@@ -57,13 +57,13 @@ class Inputs(Case):
         self.refuse("solid.stl", "solid a\nendsolid a\n", ["no facet"])
 
     def test_text_that_poses_as_stl(self):
-        self.refuse("list.stl", "milk\nbread and butter\n" * 20, ["not a surface file", "STL, OBJ, PLY, OFF, 3MF or glTF", "milk"])
+        self.refuse("list.stl", "milk\nbread and butter\n" * 20, ["not a surface file", "STL, OBJ, PLY, OFF, 3MF, glTF or STEP", "milk"])
         self.refuse("rock.stl", "solid as a rock\nnothing else\n", ["line 2", "'facet'", "'nothing else'"])
 
     def test_files_of_another_kind_are_named(self):
         for name, contents, phrases in (("page.obj", "<!DOCTYPE html>\n<html></html>\n", ["a web page"]),
-                                        ("part.step", "ISO-10303-21;\nHEADER;\n", ["this is a STEP file: expected STL, OBJ, PLY, OFF, 3MF or glTF; export it as one of these"]),
-                                        ("part.stl.gz", gzip.compress(b"ISO-10303-21;\nHEADER;\n"), ["a STEP file, compressed by gzip"])):
+                                        ("part.brep", "DBRep_DrawableShape\n", ["this is an Open CASCADE BREP file: expected STL, OBJ, PLY, OFF, 3MF, glTF or STEP; export it as one of these"]),
+                                        ("part.stl.gz", gzip.compress(b"DBRep_DrawableShape\n"), ["an Open CASCADE BREP file, compressed by gzip"])):
             self.refuse(name, contents, phrases)
         self.cells_of_box()
         self.refuse("grid.stl", self.bytes("box.tcell"), ["a grid that teracell made", "teracell info"])

@@ -581,10 +581,10 @@ class StepKernel(StepCase):
         self.entries()
         self.no_debris()
 
-    def start_long(self):
+    def start_long(self, *words):
         """A run whose kernel is at work for half a minute."""
-        process = subprocess.Popen([program.PROGRAM, "mesh", model("big"), "--cells", "20", "--deflection", "0.001", "-o", "g.tcell"], cwd=self.folder,
-                                   env=self.env, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        words = words or ("mesh", model("big"), "--cells", "20", "--deflection", "0.001", "-o", "g.tcell")
+        process = subprocess.Popen([program.PROGRAM, *words], cwd=self.folder, env=self.env, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         self.addCleanup(process.kill)
         self.wait_until(lambda: glob.glob(self.cache + "/teracell/cad/*.cad-unfinished") or process.poll() is not None, "the making of facets", 60)
         time.sleep(0.3)
@@ -609,10 +609,7 @@ class StepKernel(StepCase):
         self.expect_no_kernels()
 
     def test_info_can_be_interrupted_while_a_kernel_hangs(self):
-        copy = self.program_with("exec sleep 60\n")
-        process = subprocess.Popen([copy, "info", model("units")], cwd=self.folder, env=self.env, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-        self.addCleanup(process.kill)
-        self.wait_until(self.kernels, "a kernel")
+        process = self.start_long("info", model("big"))
         process.send_signal(signal.SIGINT)
         process.communicate(timeout=2)
         self.assertNotEqual(process.returncode, 0)

@@ -1,5 +1,7 @@
 #include "tools/step/facets.hpp"
 
+#include <sys/resource.h>
+
 #include <BRep_Builder.hxx>
 #include <BRep_Tool.hxx>
 #include <BRepGProp.hxx>
@@ -150,6 +152,16 @@ class Welding {
   size_t without_ = 0;
 };
 
+// Whether this program has come near to its limit at any time.
+bool is_memory_short() {
+  rlimit limit{};
+  if (::getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return false;
+  std::ifstream status("/proc/self/status");
+  for (std::string word; status >> word;)
+    if (uint64_t kib = 0; word == "VmPeak:" && status >> kib) return kib * 1024 > limit.rlim_cur / 8 * 7;
+  return false;
+}
+
 uint64_t mixed(uint64_t x) {  // the finaliser of SplitMix64
   x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9;
   x = (x ^ x >> 27) * 0x94d049bb133111eb;
@@ -259,9 +271,11 @@ void write_facets(const Model& model, const Tolerances& tolerances, const std::s
       [&](int i) { exact[static_cast<size_t>(i)] = exact_volume(model.shapes[static_cast<size_t>(i)].shape); }, tolerances.threads == 1);
   nlohmann::json shapes = nlohmann::json::array();
   std::vector<Mesh> meshes;
+  size_t without = 0;
   for (size_t i = 0; i < model.shapes.size(); ++i) {
     const Shape& shape = model.shapes[i];
     const Mesh& mesh = meshes.emplace_back(Welding(shape).mesh());
+    without += mesh.faces_without_triangles;
     const Measures facets = measure(mesh);
     nlohmann::json groups = nlohmann::json::array();
     for (const Mesh::Group& g : mesh.groups) groups.push_back({{"color", g.color}, {"triangles", g.triangles.size()}});
@@ -274,6 +288,8 @@ void write_facets(const Model& model, const Tolerances& tolerances, const std::s
                       {"facet_area", facets.area},
                       {"kernel_volume", exact[i] ? nlohmann::json(*exact[i]) : nlohmann::json()}});
   }
+  // Where the kernel runs out of memory it leaves the face out without a word.
+  if (without > 0 && is_memory_short()) throw std::bad_alloc();
   const std::string head = nlohmann::json({{"shapes", shapes}}).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
   Output out(path);
   const uint64_t bytes = head.size();

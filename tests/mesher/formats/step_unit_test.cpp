@@ -74,8 +74,15 @@ TEST_CASE("STEP: what stands in comments and in quotes states no unit") {
   CHECK(found("#7=PRODUCT('a''b;#3=(/*','it''s',$,());\n" + inches) == "in");
   CHECK(found("#7=PRODUCT('/*','',$,());\n" + inches) == "in");
   CHECK(found("#7=PRODUCT('''','',$,());\n" + inches) == "in");
-  CHECK(found("#7=PRODUCT('LENGTH_UNIT() SI_UNIT(.NANO.,.METRE.)','',$,());\n#8=A('(GLOBAL_UNIT_ASSIGNED_CONTEXT((#7)))');\n" + inches) == "in");
   CHECK(found("#1=/*;*/(LENGTH_UNIT()/* ' */NAMED_UNIT(*)SI_UNIT(.MILLI.,/*#5*/.METRE.));" + context("5", "#1")) == "mm");
+}
+
+TEST_CASE("STEP: names that read like units and contexts are neither") {
+  const std::string inches = converted("1", "INCH") + context("5", "#1");
+  CHECK(found("#7=PRODUCT('LENGTH_UNIT() SI_UNIT(.NANO.,.METRE.)','',$,());\n#8=PRODUCT('GLOBAL_UNIT_ASSIGNED_CONTEXT((#7))','',$,());\n" + inches) ==
+        "in");
+  CHECK(found("#1=(CONVERSION_BASED_UNIT('INCH',#90) LENGTH_UNIT() NAMED_UNIT(#91));\n#8=PRODUCT('GLOBAL_UNIT_ASSIGNED_CONTEXT((#2))','',$,());\n" +
+              si("2", "$") + context("5", "#1")) == "in");
 }
 
 TEST_CASE("STEP: a file without a unit of length, or with one of no name, states none") {

@@ -10,7 +10,10 @@ namespace {
 SurfacesFound found_of_step() {
   SurfacesFound found;
   found.scene.materials = {{"air", "#00000000"}, {"steel", "#102030"}};
-  found.scene.bodies.resize(2);
+  for (const char* file : {"a.stl", "b.step"}) {
+    SceneBody& body = found.scene.bodies.emplace_back();
+    body.name = body.mesh_text = file, body.mesh = file;
+  }
   found.bodies.bodies.resize(2);
   found.bodies.bodies[0].file.format = "STL";
   SurfaceFile& file = found.bodies.bodies[1].file;

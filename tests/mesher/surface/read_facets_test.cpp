@@ -159,9 +159,9 @@ TEST_CASE("A coordinate is 0 or between 1e-75 and 1e75 once it is rounded") {
 TEST_CASE("What is no surface is refused with a look at it") {
   CHECK_THAT(refusal(""), Contains("mesh: the file is empty"));
   CHECK_THAT(refusal("Dear reader,\nthis is a letter\n"),
-             Contains("expected STL, OBJ, PLY, OFF, 3MF or glTF, found 'Dear reader,?this is a letter?'"));
+             Contains("expected STL, OBJ, PLY, OFF, 3MF, glTF or STEP, found 'Dear reader,?this is a letter?'"));
   CHECK_THAT(refusal("unheard of" + std::string(200, '\1') + std::string(1, '\0')), Contains("byte 80") && Contains("or not an STL file"));
-  CHECK_THAT(refusal(std::string(20, '\0')), Contains("expected STL, OBJ, PLY, OFF, 3MF or glTF"));
+  CHECK_THAT(refusal(std::string(20, '\0')), Contains("expected STL, OBJ, PLY, OFF, 3MF, glTF or STEP"));
   CHECK_THAT(refusal("# only a remark\n"), Contains("mesh: holds no facet"));
 }
 
@@ -223,7 +223,7 @@ TEST_CASE("Gzip members one after the other are one file; damage is found") {
   flipped[flipped.size() - 7] ^= 1;  // in the check sum
   CHECK_THAT(refusal(flipped), Contains("of the compressed file: damaged gzip: incorrect data check"));
   CHECK_THAT(refusal(gzipped(gzipped(bytes))),
-             Contains("mesh: this is a gzip file, compressed by gzip: expected STL, OBJ, PLY, OFF, 3MF or glTF; decompress it first"));
+             Contains("mesh: this is a gzip file, compressed by gzip: expected STL, OBJ, PLY, OFF, 3MF, glTF or STEP; decompress it first"));
 }
 
 TEST_CASE("A file cut short anywhere is refused, or nothing but its last blanks was lost") {
