@@ -46,9 +46,11 @@ bool StepUnit::feed(std::string_view text) {
       if (!instance_.empty()) instance_.pop_back();
       continue;
     }
-    if (c == '\'') in_ = in_ == In::kQuotes ? In::kText : In::kQuotes;
     if (in_ == In::kText && c == ';') end_instance();
-    else if (instance_.size() < kMost && (in_ == In::kQuotes || !std::isspace(static_cast<unsigned char>(c)))) instance_ += c;
+    else if (instance_.size() < kMost && (in_ == In::kQuotes ? c == '\'' || keeps_ : !std::isspace(static_cast<unsigned char>(c)))) instance_ += c;
+    if (c != '\'') continue;
+    in_ = in_ == In::kQuotes ? In::kText : In::kQuotes;
+    keeps_ = instance_.ends_with(kConversion);
   }
   return !done_;
 }

@@ -18,6 +18,7 @@ class StepUnit {
  private:
   void end_instance();
   enum class In { kText, kQuotes, kComment } in_ = In::kText;
+  bool keeps_ = false;  // what stands in these quotes: only the name of a unit is wanted
   char before_ = 0;
   std::string instance_;  // "#12=(LENGTH_UNIT()..." without blanks: its first bytes
   std::unordered_map<uint64_t, std::string> units_;  // of length, by the number of their instance

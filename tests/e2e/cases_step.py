@@ -234,6 +234,19 @@ class StepModels(StepCase):
         self.run_ok("mesh", model("units"), "--cells", 20, "-o", "g.tcell")
         self.assertEqual(self.json_of("info", "g.tcell")["units"], "in")
 
+    def test_the_report_has_the_volume_of_the_cells_and_by_shares_a_better_one(self):
+        errors = []
+        for options in ([], ["--fractions", "8,8,8"]):
+            self.run_ok("mesh", model("torus"), "--cells", 40, "--deflection", "0.005", *options, "-o", "g.tcell")
+            cad = self.json_of("info", "g.tcell")["report"]["inputs"][0]["cad"]
+            self.assertEqual(cad["by_shares"], bool(options))
+            errors.append(abs(cad["grid_volume"] / (2 * math.pi**2 * 20 * 25) - 1))
+            if not options:
+                step = self.json_of("info", "g.tcell")["grid"]["axes"][0]["step"]
+                self.assertAlmostEqual(cad["grid_volume"] / step**3, self.cells("g.tcell")["torus"], places=3)
+        self.assertLess(errors[0], 0.02)
+        self.assertLess(errors[1], 0.002)
+
     def test_a_sender_whose_volume_is_wrong_is_contradicted(self):
         lying, validated = self.files_of("lying", "validated")
         self.assertEqual([f["parts"][0]["sender_volume"] for f in (lying, validated)], [7200, 6000])
@@ -562,12 +575,14 @@ class StepKernel(StepCase):
 
     def test_a_kernel_that_crashes_talks_nonsense_or_ends_is_an_error_about_the_file(self):
         copy = self.program_with("exit 0\n")
-        for script, words in (("kill -SEGV $$", "signal 11"), ("exit 3", "status 3"), ("exit 0", "status 0"), ("echo nonsense; sleep 9", "nonsense"),
-                              ("echo '{\"error\": \"what I say\"}'", "what I say"), ("echo '{\"kernel\": 5}'; sleep 9", "kernel"),
-                              ("echo '{\"kernel\": \"x\"}'; echo '{\"outline\": []}'; sleep 9", "outline"),
-                              ("echo '[1]'; sleep 9", ""), ("echo '{\"kernel\": \"x\"}'; exec sleep 9", "--cad-seconds")):
+        hello = "echo '{\"kernel\": \"K\"}'; "
+        for number, (script, words) in enumerate((
+                ("kill -SEGV $$", "signal 11"), ("exit 3", "status 3"), ("exit 0", "status 0"), ("echo nonsense; sleep 9", "nonsense"),
+                ("echo '{\"error\": \"what I say\"}'", "what I say"), ("echo '{\"kernel\": 5}'; sleep 9", "kernel"),
+                (hello + "echo '{\"outline\": []}'; sleep 9", "outline"), ("echo '[1]'; sleep 9", ""), (hello + "kill -ABRT $$", "signal 6"),
+                (hello + "exec sleep 9", "--cad-seconds"))):
             with self.subTest(script):
-                self.write("bin/teracell-step", "#!/bin/sh\n" + script + "\n")
+                self.write("bin/teracell-step", "#!/bin/sh\n" + script.replace("K", str(number)) + "\n")
                 r = self.teracell("mesh", model("units"), "--cells", 20, "--cad-seconds", 1, "-o", "g.tcell", program_path=copy)
                 self.assert_refused(r, 1, ["units.step", words])
                 self.entries()
@@ -575,16 +590,20 @@ class StepKernel(StepCase):
         self.write("bin/teracell-step", "no program")
         self.assert_refused(self.teracell("info", model("units"), program_path=copy), 1, ["units.step", "teracell-step"])
 
-    def test_a_kernel_without_memory_is_an_error_that_names_the_option(self):
-        r = self.teracell("mesh", model("sphere"), "--cells", 20, "--deflection", 1e-5, "--cad-memory", "300M", "-o", "g.tcell")
-        self.assert_refused(r, 1, ["sphere.step", "--cad-memory"])
+    def test_without_memory_no_face_is_left_out_neither_in_this_run_nor_in_the_next_one(self):
+        mesh = ("mesh", model("assembly"), "--cells", 20, "--deflection", 1e-3, "--angle", 2, "-o", "g.tcell")
+        r = self.teracell(*mesh, "--cad-memory", "150M")
+        if r.status != 0:
+            self.assert_refused(r, 1, ["assembly.step", "--cad-memory"])
+        self.assertNotIn("made no facets", r.err)
         self.entries()
         self.no_debris()
+        self.assertNotIn("made no facets", self.run_ok(*mesh).err)
 
-    def start_long(self, *words):
-        """A run whose kernel is at work for half a minute."""
-        words = words or ("mesh", model("big"), "--cells", "20", "--deflection", "0.001", "-o", "g.tcell")
-        process = subprocess.Popen([program.PROGRAM, *words], cwd=self.folder, env=self.env, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    def start_long(self):
+        """A run whose kernel is at work for a minute."""
+        words = [program.PROGRAM, "mesh", model("sphere"), "--cells", "20", "--deflection", "0.0001", "-o", "g.tcell"]
+        process = subprocess.Popen(words, cwd=self.folder, env=self.env, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         self.addCleanup(process.kill)
         self.wait_until(lambda: glob.glob(self.cache + "/teracell/cad/*.cad-unfinished") or process.poll() is not None, "the making of facets", 60)
         time.sleep(0.3)
@@ -608,12 +627,23 @@ class StepKernel(StepCase):
         process.communicate(timeout=2)
         self.expect_no_kernels()
 
-    def test_info_can_be_interrupted_while_a_kernel_hangs(self):
-        process = self.start_long("info", model("big"))
+    def interrupted_soon(self, copy, *args):
+        """Interrupts the program alone, while its kernel is at work. Returns the status."""
+        process = subprocess.Popen([copy, *map(str, args)], cwd=self.folder, env=self.env, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.addCleanup(process.kill)
+        self.wait_until(self.kernels, "a kernel")
+        time.sleep(0.3)
         process.send_signal(signal.SIGINT)
         process.communicate(timeout=2)
-        self.assertNotEqual(process.returncode, 0)
         self.expect_no_kernels()
+        self.no_debris()
+        return process.returncode
+
+    def test_a_kernel_that_hangs_ends_with_an_interrupted_run(self):
+        copy = self.program_with("exec sleep 60\n")
+        self.assertEqual(self.interrupted_soon(copy, "mesh", model("units"), "--cells", 20, "-o", "g.tcell"), 130)
+        self.write("spindle.step", hostile.of(hostile.torus(1, 5)))
+        self.assertIn(self.interrupted_soon(program.PROGRAM, "info", "spindle.step"), (130, -signal.SIGINT))
 
     def test_a_compressed_file_is_the_same_file_and_a_pipe_is_refused(self):
         self.copy("cylinders")

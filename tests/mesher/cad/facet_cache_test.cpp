@@ -37,12 +37,16 @@ std::string text_of(const FacetCache::Entry& entry) {
   return out;
 }
 
-// An entry of so many bytes, which takes no room, last used so many seconds ago.
+void set_used(const fs::path& path, int seconds_ago) {
+  const timespec when{::time(nullptr) - seconds_ago, 0}, both[2] = {when, when};
+  REQUIRE(::utimensat(AT_FDCWD, path.c_str(), both, 0) == 0);
+}
+
+// A file of so many bytes, which takes no room on the disk, last used so many seconds ago.
 void add_sparse(const fs::path& path, off_t bytes, int seconds_ago) {
   std::ofstream(path).put('x');
   REQUIRE(::truncate(path.c_str(), bytes) == 0);
-  const timespec when{::time(nullptr) - seconds_ago, 0}, both[2] = {when, when};
-  REQUIRE(::utimensat(AT_FDCWD, path.c_str(), both, 0) == 0);
+  set_used(path, seconds_ago);
 }
 
 constexpr off_t kGigabyte = off_t{1} << 30;
@@ -57,7 +61,7 @@ TEST_CASE("An entry is found under its key, by this cache and by others of the f
     const auto found = cache->find("a");
     REQUIRE(found);
     CHECK(text_of(*found) == "facets");
-    CHECK(hash_behind(*found).size() == 32);
+    CHECK(found->hash.size() == 32);
     CHECK(cache->find_text("a") == "facets");
     CHECK_FALSE(cache->find("b"));
     CHECK_FALSE(cache->find_text("b"));
@@ -67,7 +71,7 @@ TEST_CASE("An entry is found under its key, by this cache and by others of the f
   other.add_text("nothing", "");
   CHECK(one.find_text("nothing") == "");
   CHECK(folder.names() == std::set<std::string>{"a.cad", "nothing.cad"});
-  one.remove("a");
+  fs::remove(folder.folder / "a.cad");
   CHECK_FALSE(other.find("a"));
 }
 
@@ -75,7 +79,7 @@ TEST_CASE("An entry that is open outlives its removal", "[cad]") {
   const CacheFolder folder;
   const FacetCache cache = folder.cache();
   const auto entry = cache.add("a", writes("facets"));
-  cache.remove("a");
+  fs::remove(folder.folder / "a.cad");
   CHECK(text_of(entry) == "facets");
 }
 
@@ -160,11 +164,12 @@ TEST_CASE("Whoever makes an entry holds its lock: others wait, and may stop wait
 TEST_CASE("When there are more than two gigabytes, those go first that were not used for longest", "[cad]") {
   const CacheFolder folder;
   const FacetCache cache = folder.cache();
-  add_sparse(folder.entry("oldest"), kGigabyte, 400);
-  add_sparse(folder.entry("used"), kGigabyte / 2, 300);
-  add_sparse(folder.entry("old"), kGigabyte / 2, 200);
-  add_sparse(folder.entry("young"), kGigabyte / 4, 100);
+  cache.add_text("used", "text");
+  set_used(folder.entry("used"), 500);
   cache.find("used");
+  add_sparse(folder.entry("oldest"), kGigabyte, 400);
+  add_sparse(folder.entry("old"), kGigabyte / 2, 300);
+  add_sparse(folder.entry("young"), kGigabyte / 4 * 3, 100);
   cache.add("new", writes("facets"));
   CHECK(folder.names() == std::set<std::string>{"used.cad", "old.cad", "young.cad", "new.cad"});
   add_sparse(folder.entry("big"), kGigabyte, 50);
@@ -206,12 +211,11 @@ TEST_CASE("A folder that can't be used keeps nothing, and entries live as long a
     const FacetCache cache(folder.path() / "file" / "cad", folder.budget);
     const auto entry = cache.add("a", writes("facets"));
     CHECK(text_of(entry) == "facets");
-    CHECK(hash_behind(entry).size() == 32);
+    CHECK(entry.hash.size() == 32);
     CHECK_FALSE(cache.find("a"));
     cache.add_text("b", "text");
     CHECK_FALSE(cache.find_text("b"));
     CHECK_FALSE(static_cast<bool>(cache.lock("a", [] {})));
-    cache.remove("a");
     CHECK_THROWS_WITH(cache.add("a", [](const std::string&) { throw InputError("the kernel gave up"); }), "the kernel gave up");
   }
   CHECK(testing::open_descriptors() == open);
