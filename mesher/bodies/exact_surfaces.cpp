@@ -25,15 +25,8 @@ bool follows_from_box(const Scene& scene) {
   return std::ranges::any_of(scene.axis, [](const SceneAxis& a) { return a.planes.empty() && !a.min; });
 }
 
-// The longest column of the matrix's linear part.
-double scale_of(const Matrix& m) {
-  double scale = 0;
-  for (size_t d = 0; d < 3; ++d) scale = std::max(scale, length({m[d], m[4 + d], m[8 + d]}));
-  return scale;
-}
-
 // Of bodies whose files have facets.
-void add_box_of_facets(const SceneBody& body, const Scene& scene, const Budget& budget, std::optional<std::array<Vec3, 2>>& box) {
+void add_box_of_facets(const SceneBody& body, const Scene& scene, const Budget& budget, KeptTrees& kept, std::optional<std::array<Vec3, 2>>& box) {
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(body.mesh, ignored))
     throw InputError(
@@ -48,7 +41,7 @@ void add_box_of_facets(const SceneBody& body, const Scene& scene, const Budget& 
                     unite(box, p, p);
                   }
               },
-              {.budget = budget, .units = scene.units});
+              {.budget = budget, .units = scene.units, .kept = &kept});
 }
 
 }  // namespace
@@ -75,9 +68,10 @@ ExactSurfaces plan_exact_surfaces(const Scene& scene, const CadOptions& cad, con
   const auto shortest_cell = [&] {
     if (cell) return *cell;
     std::optional<std::array<Vec3, 2>> all = out.box;
+    KeptTrees kept;
     if (follows_from_box(scene))
       for (size_t b = 0; b < scene.bodies.size(); ++b)
-        if (!exact[b]) add_box_of_facets(scene.bodies[b], scene, budget, all);
+        if (!exact[b]) add_box_of_facets(scene.bodies[b], scene, budget, kept, all);
     const Grid grid = resolve_grid(scene, all ? (*all)[0] : Vec3{}, all ? (*all)[1] : Vec3{});
     cell = HUGE_VAL;
     for (const Axis& axis : grid.axis) cell = std::min(*cell, axis.shortest_cell());
@@ -89,7 +83,7 @@ ExactSurfaces plan_exact_surfaces(const Scene& scene, const CadOptions& cad, con
     if (!exact[b]) continue;
     const SceneBody& body = scene.bodies[b];
     const double length = body.deflection.in_cells ? body.deflection.value * shortest_cell() : body.deflection.value;
-    const double deflection = length / scale_of(body.matrix);
+    const double deflection = length / longest_column(body.matrix);
     const auto [place, fresh] = known.try_emplace({deflection, body.angle});
     if (fresh) {
       auto options = std::make_shared<CadOptions>(cad);

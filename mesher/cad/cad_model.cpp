@@ -10,6 +10,7 @@
 #include <cstring>
 #include <list>
 #include <mutex>
+#include <thread>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -63,8 +64,13 @@ IdleKernels& idle_kernels() {
 
 std::span<const uint8_t> bytes_of(std::string_view text) { return {reinterpret_cast<const uint8_t*>(text.data()), text.size()}; }
 
+FileState state_now(const Descriptor& file) {
+  struct stat s;
+  return ::fstat(file.get(), &s) == 0 ? state_of(s) : FileState{};
+}
+
 // An open file with the input's bytes as the kernel wants them: the file itself, or a temporary one without a name.
-Descriptor plain(Input& input, const Budget& budget, const std::function<void(std::string_view)>& each) {
+Descriptor plain(Input& input, const Budget& budget, const std::function<void(std::string_view)>& each, FileState& state) {
   Descriptor file = input.plain_file();
   if (!file) {
     std::string name = (budget.folder / "teracell-XXXXXX.step").string();
@@ -73,6 +79,7 @@ Descriptor plain(Input& input, const Budget& budget, const std::function<void(st
     ::unlink(name.c_str());
   }
   const bool copies = !input.plain_file();
+  if (!copies) state = state_now(file);
   for (std::string_view some; !(some = input.window(1)).empty(); input.consume(some.size())) {
     each(some);
     if (copies && !file.append(bytes_of(some))) fail_at(budget.folder, "can't write a temporary file", errno);
@@ -146,7 +153,7 @@ CadModel::CadModel(Input& input, const Budget& budget, const CadOptions& options
     : name_(input.name()),
       options_(options),
       cache_(options.cache, budget),
-      file_(plain(input, budget, each)),
+      file_(plain(input, budget, each, state_)),
       program_(kernel_program(name_)),
       file_hash_(input.hash()) {
   version_ = find_version();
@@ -164,7 +171,7 @@ std::string CadModel::find_version() {
   if (auto known = cache_.find_text(k)) return *known;
   start();
   const std::string text = kernel_->ask("", "kernel", options_);
-  const std::string version = naming(name_, [&] {
+  std::string version = naming(name_, [&] {
     const Json json = parse_json(text, "the CAD kernel's name");
     const JsonNode root(json, "the CAD kernel's name");
     return root.require("kernel").text();
@@ -176,7 +183,7 @@ std::string CadModel::find_version() {
 void CadModel::start() { kernel_ = std::make_unique<KernelProcess>(program_, name_, file_, options_); }
 
 CadModel::~CadModel() {
-  if (kernel_ && read_ && kernel_->is_alive()) idle_kernels().add(file_hash_, std::move(kernel_));
+  if (kernel_ && read_ && kernel_->is_idle()) idle_kernels().add(file_hash_, std::move(kernel_));
 }
 
 std::string CadModel::key(const std::string& what) const {
@@ -186,21 +193,39 @@ std::string CadModel::key(const std::string& what) const {
 }
 
 KernelProcess& CadModel::kernel() {
-  if (!kernel_ && (kernel_ = idle_kernels().take(file_hash_))) read_ = true;
-  if (kernel_ && !kernel_->is_alive()) kernel_.reset(), read_ = false;
+  if (!kernel_) {
+    kernel_ = idle_kernels().take(file_hash_);
+    read_ = kernel_ != nullptr;
+  }
+  if (kernel_ && !kernel_->is_idle()) kernel_.reset(), read_ = false;
   if (!kernel_) start();
-  if (!read_) kernel_->ask("", "outline", options_);
+  if (!read_) {
+    kernel_->ask("", "outline", options_);
+    expect_unchanged();
+  }
   read_ = true;
   return *kernel_;
 }
 
+// The kernel reads the file after it was hashed here.
+void CadModel::expect_unchanged() const {
+  if (state_ != FileState{} && state_now(file_) != state_) throw InputError(fmt::format("{}: the file changed while it was read", name_));
+}
+
 CadModel::Outline CadModel::outline() {
-  std::optional<std::string> text = cache_.find_text(key("outline"));
+  const std::string k = key("outline");
+  Descriptor lock;
+  std::optional<std::string> text = cache_.find_text(k);
+  if (!text) {
+    lock = cache_.lock(k, [&] { options_.waiting(0); });
+    text = cache_.find_text(k);
+  }
   const bool fresh = !text;
   if (fresh) {
     if (!kernel_) start();
     text = kernel_->ask("", "outline", options_);
     read_ = true;
+    expect_unchanged();
   }
   Outline out = outline_in(*text);
   if (fresh) cache_.add_text(key("outline"), *text);
@@ -220,6 +245,7 @@ CadModel::Outline CadModel::outline_in(const std::string& text) const {
     });
     const JsonNode node_list = outline.require("nodes");
     const std::vector<JsonNode> nodes = node_list.items();
+    if (out.shapes.empty() || nodes.empty()) outline.fail("shapes and nodes");
     for (const JsonNode& n : nodes) {
       PartNode& node = out.nodes.emplace_back();
       node.name = utf8_of(n.require("name").any_text());
@@ -237,7 +263,12 @@ CadModel::Outline CadModel::outline_in(const std::string& text) const {
 std::array<Vec3, 2> CadModel::box(const std::vector<CadInstance>& instances) {
   std::string command = fmt::format("box {}\n", instances.size());
   for (const CadInstance& i : instances) command += fmt::format("{} {}\n", i.shape, fmt::join(i.matrix, " "));
-  const std::optional<std::string> known = cache_.find_text(key(command));
+  std::optional<std::string> known = cache_.find_text(key(command));
+  Descriptor lock;
+  if (!known) {
+    lock = cache_.lock(key(command), [&] { options_.waiting(0); });
+    known = cache_.find_text(key(command));
+  }
   const std::string text = known ? *known : kernel().ask(command, "box", options_);
   const auto out = naming(name_, [&] {
     const Json json = parse_json(text, "the CAD kernel's box");
@@ -254,12 +285,13 @@ CadFacts CadModel::add_facets(Shapes& shapes, double deflection, const Factor& f
                std::move(facts)};
   std::optional<FacetCache::Entry> entry = cache_.find(out.key);
   if (!entry) {
+    const int threads = options_.threads > 0 ? options_.threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
     const Descriptor lock = cache_.lock(out.key, [&] { options_.waiting(0); });
     entry = cache_.find(out.key);
     if (!entry)
       entry = cache_.add(out.key, [&](const std::string& path) {
-        kernel().ask(fmt::format("facets {} {} {} {}\n", deflection, options_.angle, options_.threads, std::filesystem::absolute(path).string()),
-                     "done", options_);
+        kernel().ask(fmt::format("facets {} {} {} {}\n", deflection, options_.angle, threads, std::filesystem::absolute(path).string()), "done",
+                     options_);
       });
   }
   out.hash = entry->hash;
@@ -294,7 +326,7 @@ void CadModel::read_facets_of(const FacetCache::Entry& entry, Shapes& shapes, co
     const uint64_t vertices = s.require("vertices").whole(in.left() / sizeof(Vec3));
     const uint32_t set = shapes.begin_vertices(false);
     for (uint64_t v = 0; v < vertices; ++v) shapes.add_vertex(vertex_in(in), factor, name_);
-    shapes.begin_shape();
+    shapes.begin_shape(true);  // a part, even if the kernel makes no facets of it
     s.each("groups", [&](const JsonNode& g) {
       const uint64_t triangles = g.require("triangles").whole(in.left() / 12);
       shapes.begin_group(g.require("color").any_text());

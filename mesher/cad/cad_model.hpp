@@ -8,6 +8,7 @@
 #include "mesher/surface/input.hpp"
 #include "mesher/surface/part_tree.hpp"
 #include "mesher/surface/read_options.hpp"
+#include "store/base/file.hpp"
 
 namespace teracell::mesher {
 
@@ -45,6 +46,7 @@ class CadModel {
  private:
   std::string find_version();
   void start();
+  void expect_unchanged() const;
   std::string key(const std::string& what) const;
   KernelProcess& kernel();
   Outline outline_in(const std::string& text) const;
@@ -52,6 +54,7 @@ class CadModel {
   const std::string name_;
   const CadOptions& options_;
   FacetCache cache_;
+  FileState state_;  // of the file that was hashed; none for a copy of it
   Descriptor file_;
   std::filesystem::path program_;
   std::string file_hash_, version_;

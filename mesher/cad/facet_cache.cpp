@@ -57,7 +57,11 @@ FacetCache::FacetCache(fs::path folder, const Budget& budget) : folder_(folder.e
   std::error_code error;
   if (!folder_.empty()) fs::create_directories(folder_.parent_path(), error);
   if (!folder_.empty() && ::mkdir(folder_.c_str(), 0700) != 0 && errno != EEXIST) folder_.clear();
-  if (!folder_.empty() && ::access(folder_.c_str(), W_OK | X_OK) != 0) folder_.clear();
+  // Whoever else could write there could put other facets in place of ours.
+  struct stat s;
+  if (!folder_.empty() && (::lstat(folder_.c_str(), &s) != 0 || !S_ISDIR(s.st_mode) || s.st_uid != ::geteuid() ||
+                           (s.st_mode & (S_IWGRP | S_IWOTH)) != 0 || ::access(folder_.c_str(), W_OK | X_OK) != 0))
+    folder_.clear();
 }
 
 fs::path FacetCache::path_of(const std::string& key) const { return folder_ / (key + kEnding); }
@@ -101,7 +105,7 @@ FacetCache::Entry FacetCache::add(const std::string& key, const std::function<vo
     throw;
   }
   if (folder_.empty()) ::unlink(name.c_str());
-  else make_room(entry.size);
+  else make_room(key);
   return entry;
 }
 
@@ -125,14 +129,15 @@ Descriptor FacetCache::lock(const std::string& key, const std::function<void()>&
     waiting();
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
   }
+  if (file) ::futimens(file.get(), nullptr);  // so that it isn't taken for one that was left
   return file;
 }
 
 // Nothing but files with our endings is ever removed. Of what a killed run has left unfinished, and of locks, what is older than a day.
-void FacetCache::make_room(uint64_t bytes) const {
+void FacetCache::make_room(const std::string& newest) const {
   using File = std::tuple<int64_t, uint64_t, fs::path>;  // when it was used, its bytes
   std::vector<File> files;
-  const int64_t day_ago = int64_t{::time(nullptr)} - 24 * 3600;
+  const int64_t day_ago = int64_t{::time(nullptr)} - int64_t{24} * 3600;
   uint64_t all = 0;
   std::error_code error;
   for (fs::directory_iterator at(folder_, error), end; !error && at != end; at.increment(error)) {
@@ -144,11 +149,11 @@ void FacetCache::make_room(uint64_t bytes) const {
     files.emplace_back(int64_t{s.st_mtim.tv_sec} * 1'000'000'000 + s.st_mtim.tv_nsec, static_cast<uint64_t>(s.st_size), at->path());
     all += static_cast<uint64_t>(s.st_size);
   }
-  if (all <= kMostBytes || bytes == 0) return;
+  if (all <= kMostBytes) return;
   std::ranges::sort(files);
   for (const auto& [used, size, path] : files) {
     if (all <= kMostBytes) return;
-    if (::unlink(path.c_str()) == 0) all -= size;
+    if (path != path_of(newest) && ::unlink(path.c_str()) == 0) all -= size;
   }
 }
 

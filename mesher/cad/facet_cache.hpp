@@ -34,7 +34,7 @@ class FacetCache {
 
  private:
   std::filesystem::path path_of(const std::string& key) const;
-  void make_room(uint64_t bytes) const;
+  void make_room(const std::string& newest) const;
   std::filesystem::path folder_;  // empty: nothing is kept
   std::filesystem::path other_;
 };

@@ -22,8 +22,6 @@
 #include "store/text/text.hpp"
 #include "store/text/words.hpp"
 
-extern char** environ;
-
 namespace teracell::mesher {
 namespace {
 
@@ -101,7 +99,10 @@ KernelProcess::~KernelProcess() {
   wait_for(process_);
 }
 
-bool KernelProcess::is_alive() { return process_ > 0 && ::waitpid(process_, nullptr, WNOHANG) == 0 ? true : (process_ = -1, false); }
+bool KernelProcess::is_idle() {
+  if (process_ > 0 && ::waitpid(process_, nullptr, WNOHANG) != 0) process_ = -1;
+  return process_ > 0 && !busy_;
+}
 
 void KernelProcess::send(const std::string& text) {
   for (size_t done = 0; done < text.size();) {
@@ -114,11 +115,13 @@ void KernelProcess::send(const std::string& text) {
 
 bool KernelProcess::next_line(std::string& line, const CadOptions& options, double share) {
   for (;;) {
-    if (const size_t end = buffer_.find('\n'); end != std::string::npos) {
+    if (const size_t end = buffer_.find('\n', searched_); end != std::string::npos) {
       line = buffer_.substr(0, end);
       buffer_.erase(0, end + 1);
+      searched_ = 0;
       return true;
     }
+    searched_ = buffer_.size();
     options.waiting(share);
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began_).count();
     if (seconds > options.seconds)
@@ -138,6 +141,7 @@ bool KernelProcess::next_line(std::string& line, const CadOptions& options, doub
 }
 
 void KernelProcess::fail_after_end(const CadOptions& options) {
+  ::kill(process_, SIGKILL);  // has no effect on one that has ended
   const int status = wait_for(std::exchange(process_, -1));
   const std::string how = WIFSIGNALED(status) ? fmt::format("it was ended by signal {} ({})", WTERMSIG(status), ::strsignal(WTERMSIG(status)))
                                               : fmt::format("it ended with status {}", WEXITSTATUS(status));
@@ -147,9 +151,14 @@ void KernelProcess::fail_after_end(const CadOptions& options) {
 
 std::string KernelProcess::ask(const std::string& command, const std::string& key, const CadOptions& options) {
   if (!command.empty()) began_ = std::chrono::steady_clock::now();
+  busy_ = true;
   send(command);
   double share = 0;
   for (std::string line; next_line(line, options, share);) {
+    if (line.starts_with(fmt::format("{{\"{}\":", key))) {  // it may be long, and whoever asks parses it
+      busy_ = false;
+      return line;
+    }
     Json answer;
     try {
       answer = Json::parse(line);
@@ -159,11 +168,12 @@ std::string KernelProcess::ask(const std::string& command, const std::string& ke
     if (const auto progress = answer.find("progress"); progress != answer.end() && progress->is_number()) share = progress->get<double>();
     if (const auto error = answer.find("error"); error != answer.end() && error->is_string()) {
       const bool memory = *error == "out of memory";
+      if (error->get<std::string>().starts_with("can't write"))
+        throw IoError(fmt::format("{}: {}", name_, printable(error->get<std::string>())), Remedy::kOtherFolder);
       throw InputError(memory ? fmt::format("{}: the CAD kernel needs more than the {} of memory that it may have", name_, size_text(options.memory))
                               : fmt::format("{}: {}", name_, printable(error->get<std::string>())),
                        memory ? Remedy::kCadMemory : Remedy::kNone);
     }
-    if (answer.contains(key)) return line;
   }
   fail_after_end(options);
 }

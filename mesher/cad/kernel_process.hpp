@@ -26,7 +26,8 @@ class KernelProcess {
   // Sends a command, if it isn't empty, and returns the answer, which has this key. Answers that tell progress are passed to options.waiting, which
   // may throw. Throws InputError when the kernel fails, dies, or exceeds its limits.
   std::string ask(const std::string& command, const std::string& key, const CadOptions& options);
-  bool is_alive();
+  // It lives, and is not at work on what somebody has stopped to wait for.
+  bool is_idle();
 
  private:
   void send(const std::string& text);
@@ -36,6 +37,8 @@ class KernelProcess {
   pid_t process_ = -1;
   Descriptor to_, from_;
   std::string buffer_;
+  size_t searched_ = 0;  // bytes of it without the end of a line
+  bool busy_ = false;
   std::chrono::steady_clock::time_point began_;  // to work on what is asked
 };
 

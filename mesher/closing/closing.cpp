@@ -23,12 +23,6 @@ std::string text(const Vec3& p) { return fmt::format("({}, {}, {})", p[0], p[1],
 
 bool by_parity(ShellRule rule) { return rule == ShellRule::kEvenodd || rule == ShellRule::kDistinct; }
 
-double longest_column(const Matrix& m) {
-  double longest = 0;
-  for (int c = 0; c < 3; ++c) longest = std::max(longest, std::sqrt((m[c] * m[c] + m[4 + c] * m[4 + c]) + m[8 + c] * m[8 + c]));
-  return longest;
-}
-
 // Groups edges that run the same way in two facets: edges that share a vertex are in one group.
 std::vector<Flip> group_flips(const std::vector<BoundaryEdge>& edges, const SceneBody& body) {
   std::unordered_map<uint32_t, size_t> group_of;  // by the edges' connected component, found as the shell of degenerate facets

@@ -57,7 +57,6 @@ class StepFile {
     CadModel::Outline outline = model_->outline();
     Shapes shapes(budget);
     auto facts = std::make_shared<CadFacts>(model_->add_facets(shapes, deflection, to_asked_for_, std::move(outline.shapes)));
-    warn_of_faces(*facts);
     file_.cad = std::move(facts);
     return tree_of(std::move(outline), std::move(shapes));
   }
@@ -90,12 +89,6 @@ class StepFile {
     for (PartNode& node : outline.nodes) std::ranges::for_each(node.uses, convert);
     std::ranges::for_each(outline.roots, convert);
     return PartTree(name_, std::move(shapes), std::move(outline.nodes), outline.roots);
-  }
-
-  void warn_of_faces(const CadFacts& facts) const {
-    uint64_t faces = 0, without = 0;
-    for (const CadShape& s : facts.shapes) faces += s.faces, without += s.faces_without_facets;
-    if (without > 0) file_.warnings.push_back(fmt::format("the CAD kernel made no facets of {} of {} faces", without, faces));
   }
 
   const std::string name_;

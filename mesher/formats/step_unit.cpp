@@ -43,6 +43,7 @@ bool StepUnit::feed(std::string_view text) {
     }
     if (in_ == In::kText && before == '/' && c == '*') {
       in_ = In::kComment;
+      before_ = 0;  // "/*/" begins one, and does not end it
       if (!instance_.empty()) instance_.pop_back();
       continue;
     }

@@ -67,7 +67,8 @@ BodyReport body_report(const Scene& scene, size_t b, BodyFacets&& found, const S
 // Where the body's matrix puts the parts.
 CadReport cad_report(const SceneBody& body, const SurfaceFile& file, size_t& parts_left) {
   const double volume = std::abs(determinant(body.matrix));
-  CadReport out{file.cad->kernel, file.cad->key, file.cad->hash, file.cad->deflection, file.cad->angle, {}, 0, {}, false};
+  CadReport out{
+      file.cad->kernel, file.cad->key, file.cad->hash, file.cad->deflection * longest_column(body.matrix), file.cad->angle, {}, 0, {}, false};
   for (const CadPart& p : file.cad_parts) {
     if (parts_left == 0) {
       ++out.parts_left_out;

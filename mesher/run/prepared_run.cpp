@@ -46,9 +46,11 @@ PreparedRun::PreparedRun(const Scene& of, const std::filesystem::path& output, c
   cad.threads = threads;
   if (cad.cache.empty()) cad.cache = options.tmp.empty() ? options.tmp : options.tmp / "teracell-cad";
   cad.waiting = [&](double share) { this->progress("facets", share); };
+  const struct KernelsEnd {
+    ~KernelsEnd() { end_idle_kernels(); }
+  } at_the_end;
   bodies = read_bodies(scene, plan_exact_surfaces(scene, cad, budget), options.count_aside ? std::max(2, threads) : threads, budget, counts,
                        [&](double share) { this->progress("read", share); });
-  end_idle_kernels();
   give_back_memory();
   end_phase("read");
   plan = make_plan(scene, bodies, options.axis, options.chunk_rays, options.fractions, options.links);

@@ -31,11 +31,17 @@ std::vector<CadPart> cad_parts(const PartTree& tree, const std::vector<uint32_t>
   return out;
 }
 
-std::vector<std::string> volume_warnings(const std::vector<CadPart>& parts, const CadFacts& facts) {
+std::vector<std::string> cad_warnings(const std::vector<CadPart>& parts, const CadFacts& facts) {
   constexpr size_t kMost = 20;
   std::vector<std::string> out;
   size_t more = 0;
+  const auto warn = [&](std::string words) {
+    if (out.size() < kMost) out.push_back(std::move(words));
+    else ++more;
+  };
   for (const CadPart& p : parts) {
+    if (p.shape.faces_without_facets > 0)
+      warn(fmt::format("the CAD kernel made no facets of {} of the {} faces of part {}", p.shape.faces_without_facets, p.shape.faces, p.path));
     const double most = 2 * facts.deflection * p.shape.facet_area;
     const std::pair<const char*, std::optional<double>> volumes[] = {
         {"the CAD kernel", p.shape.kernel_volume},
@@ -48,11 +54,9 @@ std::vector<std::string> volume_warnings(const std::vector<CadPart>& parts, cons
           differ = fmt::format("part {} has a volume of {} by {} and of {} by {}: they differ by more than the {} that facets within {} can explain",
                                p.path, number_text(*volumes[a].second, 7), volumes[a].first, number_text(*volumes[b].second, 7), volumes[b].first,
                                number_text(most, 3), number_text(facts.deflection, 3));
-    if (differ.empty()) continue;
-    if (out.size() < kMost) out.push_back(std::move(differ));
-    else ++more;
+    if (!differ.empty()) warn(std::move(differ));
   }
-  if (more > 0) out.push_back(fmt::format("{} more have volumes that don't agree", plural(more, "part")));
+  if (more > 0) out.push_back(fmt::format("there are {} more warnings of this kind", more));
   return out;
 }
 

@@ -1,5 +1,6 @@
 #include "mesher/surface/matrix.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace teracell::mesher {
@@ -24,6 +25,12 @@ Matrix product(const Matrix& outer, const Matrix& inner) {
 double determinant(const Matrix& m) {
   const double x = m[5] * m[10] - m[6] * m[9], y = m[4] * m[10] - m[6] * m[8], z = m[4] * m[9] - m[5] * m[8];
   return (m[0] * x - m[1] * y) + m[2] * z;
+}
+
+double longest_column(const Matrix& m) {
+  double longest = 0;
+  for (size_t c = 0; c < 3; ++c) longest = std::max(longest, std::sqrt((m[c] * m[c] + m[4 + c] * m[4 + c]) + m[8 + c] * m[8 + c]));
+  return longest;
 }
 
 bool mirrors(const Matrix& m) { return determinant(m) < 0; }

@@ -15,7 +15,8 @@ Vec3 transform(const Matrix& m, const Vec3& p);
 Matrix product(const Matrix& outer, const Matrix& inner);
 // Whether the determinant of the linear part is negative: then the map turns facets inside out.
 bool mirrors(const Matrix& m);
-double determinant(const Matrix& m);  // of the linear part
+double determinant(const Matrix& m);     // of the linear part
+double longest_column(const Matrix& m);  // of the linear part: its length
 
 // The rotation that a quaternion (x, y, z, w) stands for after division by its length, times `scale` along each axis before it, then the
 // translation. REQUIRES: the quaternion is not 0.

@@ -26,7 +26,7 @@ struct Part;
 struct CadOptions {
   std::optional<double> deflection;         // the largest chord error, in the units that are asked for; absent: kOfBox of the file's box
   double angle = 12;                        // the largest angle between neighbouring chords, in degrees
-  int threads = 1;
+  int threads = 0;                          // 0: as many as the machine has
   uint64_t memory = uint64_t{8} << 30;      // bytes
   double seconds = 1800;                    // for reading the file, and for making its facets
   std::filesystem::path cache;              // folder for what it made; empty: that of the user
@@ -34,9 +34,9 @@ struct CadOptions {
   static constexpr double kOfBox = 1e-4;
 };
 
-inline std::shared_ptr<const CadOptions> cad_or_usual(std::shared_ptr<const CadOptions> cad) {
+inline std::shared_ptr<const CadOptions> cad_or_usual(const std::shared_ptr<const CadOptions>& cad) {
   static const auto usual = std::make_shared<const CadOptions>();
-  return cad ? std::move(cad) : usual;
+  return cad ? cad : usual;
 }
 
 struct ReadOptions {

@@ -95,7 +95,7 @@ void FacetStream::add_parts(PartTree& tree, SurfaceFile& file, const ReadOptions
   const std::vector<uint32_t> taken = tree.matching(glob_);
   if (file.cad) {
     file.cad_parts = cad_parts(tree, taken, *file.cad);
-    for (std::string& w : volume_warnings(file.cad_parts, *file.cad)) file.warnings.push_back(std::move(w));
+    for (std::string& w : cad_warnings(file.cad_parts, *file.cad)) file.warnings.push_back(std::move(w));
   }
   for (const uint32_t i : taken) {
     const Part& part = tree.parts()[i];

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "mesher/cad/cad_model.hpp"
 #include "mesher/closing/boundary.hpp"
 #include "mesher/closing/lengths.hpp"
 #include "mesher/surface/cad_parts.hpp"
@@ -37,6 +38,7 @@ class Measure {
   }
   void put_into(PartKind& kind) const {
     kind.facets = facets_;
+    if (facets_ == 0) return;
     kind.closed = boundary_.directed_boundary_is_empty();
     kind.lo = lo_, kind.hi = hi_;
     kind.volume = std::abs(static_cast<double>(volume_)), kind.area = static_cast<double>(area_);
@@ -87,6 +89,7 @@ void survey_tree(PartTree& tree, const Budget& budget, FileSurvey& out) {
     Measure measure;
     tree.read(part, [&](const Facet& f) { measure.add(f); });
     measure.put_into(found);
+    if (found.facets == 0) continue;
     extend(out.lo, out.hi, found.lo), extend(out.lo, out.hi, found.hi);
     if (!found.closed)
       found.open_edges = count_open_edges([&](const std::function<void(const Facet&)>& f) { tree.read(part, f); }, budget, tree.name());
@@ -97,7 +100,7 @@ void add_volumes(const PartTree& tree, FileSurvey& out) {
   std::vector<uint32_t> all(tree.parts().size());
   std::iota(all.begin(), all.end(), 0);
   const std::vector<CadPart> parts = cad_parts(tree, all, *out.file.cad);
-  for (std::string& w : volume_warnings(parts, *out.file.cad)) out.file.warnings.push_back(std::move(w));
+  for (std::string& w : cad_warnings(parts, *out.file.cad)) out.file.warnings.push_back(std::move(w));
   for (size_t i = 0; i < tree.parts().size(); ++i) {
     PartKind& kind = out.kinds[out.places[i].kind];
     if (kind.path != tree.parts()[i].path) continue;
@@ -188,6 +191,7 @@ FileSurvey survey(const std::filesystem::path& path, const Budget& budget, const
     out.file = std::move(kept.file);
     survey_tree(*kept.tree, budget, out);
     if (out.file.cad) add_volumes(*kept.tree, out);
+    end_idle_kernels();
   }
   return out;
 }

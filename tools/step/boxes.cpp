@@ -15,9 +15,10 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-Box of(Bnd_Box box) {
+// With its gap, in which the kernel keeps how far a loose box may be off; what AddOptimal() finds has a gap for its tolerance alone.
+Box of(Bnd_Box box, bool with_gap) {
   Box out;
-  box.SetGap(0);
+  if (!with_gap) box.SetGap(0);
   box.Get(out.lo[0], out.lo[1], out.lo[2], out.hi[0], out.hi[1], out.hi[2]);
   return out;
 }
@@ -39,18 +40,19 @@ void extend(Box& box, const Box& by) {
   for (size_t d = 0; d < 3; ++d) box.lo[d] = std::min(box.lo[d], by.lo[d]), box.hi[d] = std::max(box.hi[d], by.hi[d]);
 }
 
-// The columns of the linear part, divided by their common length. False where the matrix is no rotation times a scale: then the box of
-// what it moves is that of the moved corners.
+// The columns of the linear part, divided by their common length, which is negative where they mirror. False where the matrix is no rotation times a
+// scale: then the box of what it moves is that of the moved corners.
 bool split(const Matrix& m, std::array<double, 9>& rotation, double& scale) {
   scale = std::sqrt(m[0] * m[0] + m[4] * m[4] + m[8] * m[8]);
   if (!(scale > 0)) return false;
+  if (m[0] * (m[5] * m[10] - m[6] * m[9]) - m[1] * (m[4] * m[10] - m[6] * m[8]) + m[2] * (m[4] * m[9] - m[5] * m[8]) < 0) scale = -scale;
   for (size_t row = 0; row < 3; ++row)
     for (size_t d = 0; d < 3; ++d) rotation[3 * row + d] = m[4 * row + d] / scale;
   const auto& r = rotation;
   for (size_t a = 0; a < 3; ++a)
     for (size_t b = 0; b < 3; ++b)
       if (std::abs(r[a] * r[b] + r[3 + a] * r[3 + b] + r[6 + a] * r[6 + b] - (a == b ? 1 : 0)) > 1e-9) return false;
-  return r[0] * (r[4] * r[8] - r[5] * r[7]) - r[1] * (r[3] * r[8] - r[5] * r[6]) + r[2] * (r[3] * r[7] - r[4] * r[6]) > 0;
+  return true;
 }
 
 // Whether each axis becomes an axis.
@@ -96,7 +98,7 @@ const Boxes::Faces& Boxes::faces_of(uint32_t shape) {
     BRepBndLib::Add(face.Current(), box, false);
     if (box.IsVoid()) continue;
     faces.list.push_back(face.Current());
-    faces.loose.push_back(of(box));
+    faces.loose.push_back(of(box, true));
     extend(faces.all, faces.loose.back());
   }
   return faces;
@@ -118,7 +120,7 @@ Box Boxes::tight(const Instance& instance) {
     known->second = around_all(loose, [&](size_t i) {
       Bnd_Box box;
       BRepBndLib::AddOptimal(turned ? faces.list[i].Moved(TopLoc_Location(turn)) : faces.list[i], box, false, false);
-      return box.IsVoid() ? loose[i] : of(box);
+      return box.IsVoid() ? loose[i] : of(box, false);
     });
   }
   if (!turned) return moved(known->second, instance.matrix);
@@ -129,7 +131,7 @@ Box Boxes::tight(const Instance& instance) {
 Box Boxes::around(const std::vector<Instance>& instances) {
   std::vector<Box> loose;
   loose.reserve(instances.size());
-  for (const Instance& i : instances) loose.push_back(moved(faces_of(i.shape).all, i.matrix));
+  for (const Instance& i : instances) loose.push_back(faces_of(i.shape).list.empty() ? kNowhere : moved(faces_of(i.shape).all, i.matrix));
   return around_all(loose, [&](size_t i) { return tight(instances[i]); });
 }
 

@@ -6,6 +6,7 @@
 #include <BRep_Tool.hxx>
 #include <BRepGProp.hxx>
 #include <BRepMesh_IncrementalMesh.hxx>
+#include <BRepTools.hxx>
 #include <cmath>
 #include <cstring>
 #include <fstream>
@@ -74,7 +75,7 @@ class Welding {
         face.triangles->Triangle(i).Get(a, b, c);
         if (turned) std::swap(b, c);
         const std::array<uint32_t, 3> t = {vertex(face.node(a)), vertex(face.node(b)), vertex(face.node(c))};
-        // Its two other edges are each other's reverse, so leaving it out opens nothing.
+          // Of a triangle with two equal corners the two other edges are each other's reverse, so leaving it out opens nothing.
         if (t[0] != t[1] && t[1] != t[2] && t[2] != t[0]) out.groups[group->second].triangles.push_back(t);
       }
     }
@@ -100,6 +101,7 @@ class Welding {
   }
 
   void take(const TopoDS_Face& face) {
+    if (face.Orientation() != TopAbs_FORWARD && face.Orientation() != TopAbs_REVERSED) return;  // it bounds nothing
     TopLoc_Location location;
     const Handle(Poly_Triangulation) triangles = BRep_Tool::Triangulation(face, location);
     if (triangles.IsNull() || triangles->NbTriangles() == 0) {
@@ -175,7 +177,7 @@ bool is_closed(const Mesh& mesh) {
   for (const Mesh::Group& g : mesh.groups)
     for (const auto& t : g.triangles)
       for (size_t k = 0; k < 3; ++k) sum += hash(t[k], t[(k + 1) % 3]) - hash(t[(k + 1) % 3], t[k]);
-  return sum == 0;
+  return sum == 0 && !mesh.vertices.empty();
 }
 
 struct Measures {
@@ -218,7 +220,10 @@ std::optional<double> exact_volume(const TopoDS_Shape& shape) {
 void tessellate(const Model& model, const Tolerances& tolerances, const std::function<void(double)>& progress) {
   constexpr size_t kFaces = 512;
   size_t all = 0, done = 0;
-  for (const Shape& s : model.shapes) all += s.faces;
+  for (const Shape& s : model.shapes) {
+    all += s.faces;
+    BRepTools::Clean(s.shape, true);  // of what the file brings, or was made for others: it would stay where it is finer
+  }
   IMeshTools_Parameters parameters;
   parameters.Deflection = tolerances.deflection;
   parameters.Angle = tolerances.angle * M_PI / 180;
@@ -232,7 +237,7 @@ void tessellate(const Model& model, const Tolerances& tolerances, const std::fun
       builder.Add(some, model.shapes[next].shape);
       faces += model.shapes[next].faces;
     }
-    BRepMesh_IncrementalMesh(some, parameters);
+    const BRepMesh_IncrementalMesh mesher(some, parameters);  // its constructor does the work
     done += faces;
     progress(static_cast<double>(done) / static_cast<double>(all));
   }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <BRep_Builder.hxx>
-#include <BRepTools.hxx>
 #include <cctype>
 #include <cmath>
 #include <functional>
@@ -33,7 +32,6 @@
 #include <TopLoc_Location.hxx>
 #include <TopoDS_Compound.hxx>
 #include <Transfer_TransientProcess.hxx>
-#include <TransferBRep.hxx>
 #include <XCAFDoc.hxx>
 #include <XCAFDoc_ColorTool.hxx>
 #include <XCAFDoc_DocumentTool.hxx>
@@ -71,8 +69,9 @@ std::string address_of(const TDF_Label& label) {
 Matrix matrix_of(const TopLoc_Location& location) {
   const gp_Trsf t = location.Transformation();
   Matrix out;
-  for (int row = 0; row < 3; ++row)
-    for (int column = 0; column < 4; ++column) out[static_cast<size_t>(4 * row + column)] = t.Value(row + 1, column + 1);
+  size_t i = 0;
+  for (int row = 1; row <= 3; ++row)
+    for (int column = 1; column <= 4; ++column) out[i++] = t.Value(row, column);
   return out;
 }
 

@@ -1,4 +1,4 @@
-// teracell-step: reads a STEP file with OpenCASCADE for teracell, which talks to it through two pipes. It is a program of its own so that a
+// teracell-step: reads a STEP file with OpenCASCADE for teracell, which talks to it through a socket. It is a program of its own so that a
 // crash, a hang or gigabytes inside the CAD kernel cost one file and not the run.
 //
 // It reads the file that is open as descriptor 3 and writes lines of JSON: {"kernel": "OpenCASCADE 7.6.3"} at once, {"outline": ...} when it has read
@@ -6,7 +6,7 @@
 //   box N, then N lines "SHAPE M0 .. M11"            answers {"box": [x0, y0, z0, x1, y1, z1]} around instances of shapes
 //   facets DEFLECTION ANGLE THREADS PATH             writes PATH, says {"progress": share} and at last {"done": true}
 // Lengths are in millimetres, angles in degrees. {"error": "..."} is the last line of a session that failed. It ends with its input.
-#include <pthread.h>
+#include <malloc.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -24,6 +24,7 @@
 #include <new>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <system_error>
 #include <Standard_Failure.hxx>
 #include <Standard_Version.hxx>
 #include <thread>
@@ -40,7 +41,8 @@ using Json = nlohmann::json;
 constexpr char kKernel[] = "OpenCASCADE " OCC_VERSION_COMPLETE;
 constexpr int kIdleSeconds = 60;  // a session that nobody asks anything ends
 
-// Lines of standard input, which a thread of its own reads: when there are no more, teracell is gone, and whatever the kernel is doing ends.
+// Lines of standard input, which a thread of its own always reads, so that teracell never waits to send: when there are no more, teracell is gone,
+// and whatever the kernel is doing ends.
 class Commands {
  public:
   Commands() {
@@ -150,6 +152,8 @@ int run(Answers& answers) {
     serve(answers);
   } catch (const std::bad_alloc&) {
     why = "out of memory";
+  } catch (const std::system_error&) {
+    why = "out of memory";  // a thread can't start
   } catch (const Standard_Failure& e) {
     const std::string words = e.GetMessageString() ? e.GetMessageString() : "";
     why = std::string("the CAD kernel gave up: ") + e.DynamicType()->Name() + (words.empty() ? "" : ": " + words);
@@ -177,6 +181,9 @@ int main(int count, char** words) {
         stderr);
     return 2;
   }
+#ifdef __GLIBC__
+  ::mallopt(M_ARENA_MAX, 4);  // each thread would have an arena, whose addresses count as memory
+#endif
   limit(RLIMIT_CORE, 0);
   if (const auto memory = static_cast<rlim_t>(std::strtoull(words[2], nullptr, 10)); memory > 0) limit(RLIMIT_AS, memory);
   Message::DefaultMessenger()->RemovePrinters(STANDARD_TYPE(Message_Printer));

@@ -61,7 +61,7 @@ TEST_CASE("Parts of one shape and scale are one entry, under the first one's pat
 }
 
 TEST_CASE("A warning names the part and both volumes where any two of the three differ by more than 2 deflections on its area", "[cad]") {
-  const auto warnings = [](const CadShape& shape) { return volume_warnings({{"/as1/nut", 8, shape}}, facts_of({})); };
+  const auto warnings = [](const CadShape& shape) { return cad_warnings({{"/as1/nut", 8, shape}}, facts_of({})); };
   CHECK(warnings(closed_shape(100, 100.1, 99.95)).empty());
   CHECK(warnings(closed_shape(100, std::nullopt)).empty());
   CHECK_THAT(warnings(closed_shape(100, 100.21)).at(0),
@@ -79,7 +79,7 @@ TEST_CASE("A warning names the part and both volumes where any two of the three 
 
 TEST_CASE("Of many parts whose volumes don't agree the first are named and the others counted", "[cad]") {
   const std::vector<CadPart> parts(50, {"/nut", 1, closed_shape(1, 2)});
-  const auto warnings = volume_warnings(parts, facts_of({}));
+  const auto warnings = cad_warnings(parts, facts_of({}));
   CHECK(warnings.size() < 50);
   CHECK_THAT(warnings.back(), Contains(fmt::format("{} ", 50 - (warnings.size() - 1))) && Contains("more"));
 }
