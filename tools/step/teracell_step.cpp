@@ -24,9 +24,9 @@
 #include <new>
 #include <nlohmann/json.hpp>
 #include <sstream>
-#include <system_error>
 #include <Standard_Failure.hxx>
 #include <Standard_Version.hxx>
+#include <system_error>
 #include <thread>
 
 #include "tools/step/boxes.hpp"
