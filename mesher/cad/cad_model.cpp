@@ -199,11 +199,7 @@ KernelProcess& CadModel::kernel() {
   }
   if (kernel_ && !kernel_->is_idle()) kernel_.reset(), read_ = false;
   if (!kernel_) start();
-  if (!read_) {
-    kernel_->ask("", "outline", options_);
-    expect_unchanged();
-  }
-  read_ = true;
+  if (!read_) read();
   return *kernel_;
 }
 
@@ -213,6 +209,7 @@ void CadModel::expect_unchanged() const {
 }
 
 CadModel::Outline CadModel::outline() {
+  if (!outline_.empty()) return outline_in(outline_);
   const std::string k = key("outline");
   Descriptor lock;
   std::optional<std::string> text = cache_.find_text(k);
@@ -220,16 +217,23 @@ CadModel::Outline CadModel::outline() {
     lock = cache_.lock(k, [&] { options_.waiting(0); });
     text = cache_.find_text(k);
   }
-  const bool fresh = !text;
-  if (fresh) {
-    if (!kernel_) start();
-    text = kernel_->ask("", "outline", options_);
-    read_ = true;
-    expect_unchanged();
+  if (text) {
+    Outline out = outline_in(*text);
+    outline_ = std::move(*text);
+    return out;
   }
-  Outline out = outline_in(*text);
-  if (fresh) cache_.add_text(key("outline"), *text);
+  if (!kernel_) start();
+  read();
+  Outline out = outline_in(outline_);
+  cache_.add_text(k, outline_);
   return out;
+}
+
+// The kernel says what the file holds once, when it has read it.
+void CadModel::read() {
+  outline_ = kernel_->ask("", "outline", options_);
+  read_ = true;
+  expect_unchanged();
 }
 
 CadModel::Outline CadModel::outline_in(const std::string& text) const {
@@ -290,6 +294,8 @@ CadFacts CadModel::add_facets(Shapes& shapes, double deflection, const Factor& f
     entry = cache_.find(out.key);
     if (!entry)
       entry = cache_.add(out.key, [&](const std::string& path) {
+        if (path.find('\n') != std::string::npos)
+          throw IoError(fmt::format("{}: {}: expected a folder without a line break in its name", name_, path), Remedy::kOtherFolder);
         kernel().ask(fmt::format("facets {} {} {} {}\n", deflection, options_.angle, threads, std::filesystem::absolute(path).string()), "done",
                      options_);
       });

@@ -46,6 +46,7 @@ class CadModel {
  private:
   std::string find_version();
   void start();
+  void read();
   void expect_unchanged() const;
   std::string key(const std::string& what) const;
   KernelProcess& kernel();
@@ -58,6 +59,7 @@ class CadModel {
   Descriptor file_;
   std::filesystem::path program_;
   std::string file_hash_, version_;
+  std::string outline_;  // as the kernel gave it, once it is known
   std::unique_ptr<KernelProcess> kernel_;
   bool read_ = false;  // the kernel has read the file
 };

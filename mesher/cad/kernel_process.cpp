@@ -79,8 +79,10 @@ std::filesystem::path kernel_program(const std::string& name) {
   }
   for (const std::filesystem::path& folder : folders)
     if (::access((folder / kProgram).c_str(), X_OK) == 0 && std::filesystem::is_regular_file(folder / kProgram, error)) return folder / kProgram;
-  throw InputError(fmt::format("{}: STEP files are read by {}, a program of its own; found none beside this program or on the PATH", name, kProgram),
-                   Remedy::kInstallStep);
+  throw InputError(
+      fmt::format("{}: STEP files are read by {}, a program of its own; found none beside this program or on the PATH: "
+                  "install the Debian package teracell-step, or build it with -DTERACELL_STEP=ON",
+                  name, kProgram));
 }
 
 // The lower descriptors that become 0, 1 and 3 must not be those of the pair, so the pair is moved out of the way.
@@ -126,7 +128,7 @@ bool KernelProcess::next_line(std::string& line, const CadOptions& options, doub
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began_).count();
     if (seconds > options.seconds)
       throw InputError(
-          fmt::format("{}: the CAD kernel was stopped after {:.0f} seconds: expected it to be done within {:.0f}", name_, seconds, options.seconds),
+          fmt::format("{}: the CAD kernel was stopped after {:.3g} seconds: expected it to be done within {:.3g}", name_, seconds, options.seconds),
           Remedy::kCadTime);
     pollfd waits = {to_.get(), POLLIN, 0};
     constexpr int kLook = 100;  // milliseconds between two looks at whether the user has asked to stop

@@ -15,7 +15,6 @@ enum class Remedy {
   kOtherFolderOrMoreMemory,
   kFreshStart,  // instead of resuming
   kAllowHttp,   // for an address without TLS
-  kInstallStep,  // the program that reads STEP files
   kCadMemory,
   kCadTime,
 };

@@ -645,6 +645,19 @@ class StepKernel(StepCase):
         self.write("spindle.step", hostile.of(hostile.torus(1, 5)))
         self.assertIn(self.interrupted_soon(program.PROGRAM, "info", "spindle.step"), (130, -signal.SIGINT))
 
+    def test_without_a_cache_that_can_be_used_every_command_works(self):
+        self.write("file", b"")
+        os.mkdir(self.path("line\nbreak"))
+        for env in (dict(self.env, XDG_CACHE_HOME=self.path("file")), {k: v for k, v in self.env.items() if k not in ("HOME", "XDG_CACHE_HOME")}):
+            self.run_ok("info", model("units"), env=env)
+            self.run_ok("scene", model("units"), "-o", "s.json", "--force", env=env)
+            self.run_ok("mesh", "s.json", "-o", "g.tcell", env=env)
+            self.run_ok("mesh", model("units"), "--by-part", "--cells", "20", "-o", "g.tcell", env=env)
+        r = self.teracell("mesh", model("units"), "--cells", "20", "--tmp", "line\nbreak", "-o", "h.tcell")
+        self.assert_refused(r, 1, ["units.step", "line break"])
+        self.assertEqual([name for name in os.listdir(self.path("line\nbreak/teracell-cad")) if not name.endswith((".cad", ".cad-lock"))], [])
+        self.assertFalse(os.path.exists(self.path("line")))
+
     def test_a_compressed_file_is_the_same_file_and_a_pipe_is_refused(self):
         self.copy("cylinders")
         self.write("cylinders.step.gz", gzip.compress(self.bytes("cylinders.step")))

@@ -13,7 +13,6 @@ const char* hint(Remedy remedy) {
     case Remedy::kOtherFolder: return ": give another folder with --tmp";
     case Remedy::kOtherFolderOrMoreMemory: return ": give another folder with --tmp, or more --memory";
     case Remedy::kFreshStart: return ": start again without --resume";
-    case Remedy::kInstallStep: return ": install the Debian package teracell-step, or build it with -DTERACELL_STEP=ON";
     case Remedy::kCadMemory: return ": allow more with --cad-memory";
     case Remedy::kCadTime: return ": allow more with --cad-seconds";
     case Remedy::kAllowHttp: return ": give --allow-http if this is what you want";
