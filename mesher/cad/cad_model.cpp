@@ -15,6 +15,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "mesher/cad/facets_file.hpp"
 #include "mesher/cad/kernel_process.hpp"
 #include "store/base/bytes.hpp"
 #include "store/base/error.hpp"
@@ -24,9 +25,6 @@
 
 namespace teracell::mesher {
 namespace {
-
-constexpr char kMagic[] = "teracad1";  // of the facets, and in all keys: what an older program has kept is made again
-constexpr size_t kMagicSize = sizeof kMagic - 1;
 
 // Kernels that have read a file and wait, by its hash: a run looks at a file's tree first, then at its box, then at its facets, from different
 // places. Threads share it.
@@ -64,9 +62,13 @@ IdleKernels& idle_kernels() {
 
 std::span<const uint8_t> bytes_of(std::string_view text) { return {reinterpret_cast<const uint8_t*>(text.data()), text.size()}; }
 
+// By the time of the last change of any kind, which nobody can put back as they can that of the contents.
 FileState state_now(const Descriptor& file) {
   struct stat s;
-  return ::fstat(file.get(), &s) == 0 ? state_of(s) : FileState{};
+  if (::fstat(file.get(), &s) != 0) return {};
+  FileState out = state_of(s);
+  out.changed = int64_t{s.st_ctim.tv_sec} * 1'000'000'000 + s.st_ctim.tv_nsec;
+  return out;
 }
 
 // An open file with the input's bytes as the kernel wants them: the file itself, or a temporary one without a name.
@@ -95,11 +97,6 @@ Matrix matrix_in(const JsonNode& use, const std::string& name) {
 
 PartNode::Use use_in(const JsonNode& use, size_t nodes, const std::string& name) {
   return {static_cast<uint32_t>(use.require("node").whole(nodes - 1)), matrix_in(use, name), use.require("name").any_text()};
-}
-
-std::optional<double> number_or_null(const JsonNode& j, std::string_view key) {
-  const JsonNode n = j.require(key);
-  return n.is_null() ? std::nullopt : std::optional(n.number());
 }
 
 // The bytes of an entry from front to back.
@@ -164,7 +161,7 @@ std::string CadModel::find_version() {
   struct stat s;
   if (::stat(program_.c_str(), &s) != 0) fail_at(program_, "can't read", errno);
   const std::string identity =
-      fmt::format("{}\n{}\n{}\n{}\n{}.{}", kMagic, program_.string(), s.st_ino, s.st_size, s.st_mtim.tv_sec, s.st_mtim.tv_nsec);
+      fmt::format("{}\n{}\n{}\n{}\n{}.{}", kFacetsMagic, program_.string(), s.st_ino, s.st_size, s.st_mtim.tv_sec, s.st_mtim.tv_nsec);
   ContentHash hash;
   hash.add(bytes_of(identity));
   const std::string k = hex(hash.digest());
@@ -188,8 +185,13 @@ CadModel::~CadModel() {
 
 std::string CadModel::key(const std::string& what) const {
   ContentHash hash;
-  hash.add(bytes_of(fmt::format("{}\n{}\n{}\n{}", kMagic, version_, file_hash_, what)));
+  hash.add(bytes_of(fmt::format("{}\n{}\n{}\n{}", kFacetsMagic, version_, file_hash_, what)));
   return hex(hash.digest());
+}
+
+// Whoever holds it makes what is missing, for as long as the kernel may take. After that it is made here as well, which is no harm.
+Descriptor CadModel::lock(const std::string& what) const {
+  return cache_.lock(what, options_.seconds, [&] { options_.waiting(0); });
 }
 
 KernelProcess& CadModel::kernel() {
@@ -211,10 +213,10 @@ void CadModel::expect_unchanged() const {
 CadModel::Outline CadModel::outline() {
   if (!outline_.empty()) return outline_in(outline_);
   const std::string k = key("outline");
-  Descriptor lock;
+  Descriptor held;
   std::optional<std::string> text = cache_.find_text(k);
   if (!text) {
-    lock = cache_.lock(k, [&] { options_.waiting(0); });
+    held = lock(k);
     text = cache_.find_text(k);
   }
   if (text) {
@@ -245,7 +247,7 @@ CadModel::Outline CadModel::outline_in(const std::string& text) const {
     outline.each("shapes", [&](const JsonNode& s) {
       CadShape& shape = out.shapes.emplace_back();
       shape.faces = s.require("faces").whole();
-      shape.sender_volume = number_or_null(s, "sender_volume");
+      shape.sender_volume = s.number_or_null("sender_volume");
     });
     const JsonNode node_list = outline.require("nodes");
     const std::vector<JsonNode> nodes = node_list.items();
@@ -267,38 +269,41 @@ CadModel::Outline CadModel::outline_in(const std::string& text) const {
 std::array<Vec3, 2> CadModel::box(const std::vector<CadInstance>& instances) {
   std::string command = fmt::format("box {}\n", instances.size());
   for (const CadInstance& i : instances) command += fmt::format("{} {}\n", i.shape, fmt::join(i.matrix, " "));
-  std::optional<std::string> known = cache_.find_text(key(command));
-  Descriptor lock;
+  const std::string k = key(command);
+  std::optional<std::string> known = cache_.find_text(k);
+  Descriptor held;
   if (!known) {
-    lock = cache_.lock(key(command), [&] { options_.waiting(0); });
-    known = cache_.find_text(key(command));
+    held = lock(k);
+    known = cache_.find_text(k);
   }
   const std::string text = known ? *known : kernel().ask(command, "box", options_);
   const auto out = naming(name_, [&] {
     const Json json = parse_json(text, "the CAD kernel's box");
     const JsonNode root(json, "the CAD kernel's box");
     const auto b = root.require("box").numbers<6>();
+    for (const double v : b)
+      if (!(std::abs(v) <= 1e75)) throw InputError(fmt::format("{}: the CAD kernel finds surfaces without bounds in it", name_));
     return std::array{Vec3{b[0], b[1], b[2]}, Vec3{b[3], b[4], b[5]}};
   });
-  if (!known) cache_.add_text(key(command), text);
+  if (!known) cache_.add_text(k, text);
   return out;
 }
 
 CadFacts CadModel::add_facets(Shapes& shapes, double deflection, const Factor& factor, std::vector<CadShape> facts) {
   CadFacts out{version_,        key(fmt::format("facets {} {}", deflection, options_.angle)), "", deflection * factor.value(), options_.angle,
                std::move(facts)};
+  const auto make = [&](const std::string& path) {
+    if (path.find('\n') != std::string::npos)
+      throw IoError(fmt::format("{}: {}: expected a folder without a line break in its name", name_, path), Remedy::kOtherFolder);
+    const int threads = options_.threads > 0 ? options_.threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+    kernel().ask(fmt::format("facets {} {} {} {}\n", deflection, options_.angle, threads, std::filesystem::absolute(path).string()), "done",
+                 options_);
+  };
   std::optional<FacetCache::Entry> entry = cache_.find(out.key);
   if (!entry) {
-    const int threads = options_.threads > 0 ? options_.threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-    const Descriptor lock = cache_.lock(out.key, [&] { options_.waiting(0); });
+    const Descriptor held = lock(out.key);
     entry = cache_.find(out.key);
-    if (!entry)
-      entry = cache_.add(out.key, [&](const std::string& path) {
-        if (path.find('\n') != std::string::npos)
-          throw IoError(fmt::format("{}: {}: expected a folder without a line break in its name", name_, path), Remedy::kOtherFolder);
-        kernel().ask(fmt::format("facets {} {} {} {}\n", deflection, options_.angle, threads, std::filesystem::absolute(path).string()), "done",
-                     options_);
-      });
+    if (!entry) entry = cache_.add(out.key, make);
   }
   out.hash = entry->hash;
   naming(name_, [&] { read_facets_of(*entry, shapes, factor, out); });
@@ -307,11 +312,11 @@ CadFacts CadModel::add_facets(Shapes& shapes, double deflection, const Factor& f
 
 void CadModel::read_facets_of(const FacetCache::Entry& entry, Shapes& shapes, const Factor& factor, CadFacts& out) const {
   EntryReader in(entry, name_);
-  char magic[kMagicSize];
+  std::array<char, kFacetsMagic.size()> magic;
   uint64_t head_size = 0;
-  in.read(magic, sizeof magic);
+  in.read(magic.data(), magic.size());
   in.read(&head_size, sizeof head_size);
-  if (std::string_view(magic, sizeof magic) != kMagic || head_size > in.left()) in.fail("expected others");
+  if (std::string_view(magic.data(), magic.size()) != kFacetsMagic || head_size > in.left()) in.fail("expected others");
   std::string head(head_size, '\0');
   in.read(head.data(), head.size());
   const Json json = parse_json(head, "the CAD kernel's facets");
@@ -322,11 +327,11 @@ void CadModel::read_facets_of(const FacetCache::Entry& entry, Shapes& shapes, co
   for (size_t i = 0; i < list.size(); ++i) {
     const JsonNode& s = list[i];
     CadShape& shape = out.shapes[i];
-    shape.faces_without_facets = s.require("faces_without_triangles").whole();
+    shape.faces_without_facets = s.require("faces_without_facets").whole();
     shape.closed = s.require("closed").boolean();
     shape.facet_volume = s.require("facet_volume").number() * volume;
     shape.facet_area = s.require("facet_area").number() * factor.value() * factor.value();
-    shape.kernel_volume = number_or_null(s, "kernel_volume");
+    shape.kernel_volume = s.number_or_null("kernel_volume");
     for (std::optional<double>* v : {&shape.kernel_volume, &shape.sender_volume})
       if (*v) **v *= volume;
     const uint64_t vertices = s.require("vertices").whole(in.left() / sizeof(Vec3));

@@ -49,6 +49,7 @@ class CadModel {
   void read();
   void expect_unchanged() const;
   std::string key(const std::string& what) const;
+  Descriptor lock(const std::string& what) const;
   KernelProcess& kernel();
   Outline outline_in(const std::string& text) const;
   void read_facets_of(const FacetCache::Entry& entry, Shapes& shapes, const Factor& factor, CadFacts& out) const;

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <cstdlib>
 #include <cstring>
 #include <thread>
@@ -88,7 +89,16 @@ std::optional<std::string> FacetCache::find_text(const std::string& key) const {
 }
 
 FacetCache::Entry FacetCache::add(const std::string& key, const std::function<void(const std::string&)>& make) const {
-  std::string name = ((folder_.empty() ? other_ : folder_) / (key + "-XXXXXX" + kUnfinished)).string();
+  if (!folder_.empty()) try {
+      return add_in(folder_, key, make);
+    } catch (const IoError&) {  // it is full, or has become read-only
+    }
+  return add_in(other_, key, make);
+}
+
+FacetCache::Entry FacetCache::add_in(const fs::path& folder, const std::string& key, const std::function<void(const std::string&)>& make) const {
+  const bool keeps = folder == folder_;
+  std::string name = (folder / (key + "-XXXXXX" + kUnfinished)).string();
   Entry entry{Descriptor(::mkostemps(name.data(), static_cast<int>(std::strlen(kUnfinished)), O_CLOEXEC)), 0, ""};
   if (!entry.file) fail_at(name, "can't create", errno);
   try {
@@ -99,20 +109,20 @@ FacetCache::Entry FacetCache::add(const std::string& key, const std::function<vo
     const auto hash = hash_of(entry.file, entry.size);
     entry.hash = hex(hash);
     if (entry.file.write(entry.size, hash) < hash.size()) fail_at(name, "can't write", errno);
-    if (!folder_.empty() && ::rename(name.c_str(), path_of(key).c_str()) != 0) fail_at(path_of(key), "can't create", errno);
+    if (keeps && ::rename(name.c_str(), path_of(key).c_str()) != 0) fail_at(path_of(key), "can't create", errno);
   } catch (...) {
     ::unlink(name.c_str());
     throw;
   }
-  if (folder_.empty()) ::unlink(name.c_str());
-  else make_room(key);
+  if (keeps) make_room(key);
+  else ::unlink(name.c_str());
   return entry;
 }
 
 void FacetCache::add_text(const std::string& key, const std::string& text) const {
   if (folder_.empty()) return;
   try {
-    add(key, [&](const std::string& path) {
+    add_in(folder_, key, [&](const std::string& path) {
       const Descriptor file = opened(path, O_WRONLY);
       if (!file || file.write(0, {reinterpret_cast<const uint8_t*>(text.data()), text.size()}) < text.size()) fail_at(path, "can't write", errno);
     });
@@ -121,11 +131,13 @@ void FacetCache::add_text(const std::string& key, const std::string& text) const
 }
 
 // Others of the same machine wait a tenth of a second at a time, because a lock can't be waited for together with the user's wish to stop.
-Descriptor FacetCache::lock(const std::string& key, const std::function<void()>& waiting) const {
+Descriptor FacetCache::lock(const std::string& key, double seconds, const std::function<void()>& waiting) const {
   if (folder_.empty()) return Descriptor();
+  const auto began = std::chrono::steady_clock::now();
   Descriptor file = opened(folder_ / (key + kLock), O_RDWR | O_CREAT);
   while (file && ::flock(file.get(), LOCK_EX | LOCK_NB) != 0) {
     if (errno != EWOULDBLOCK && errno != EINTR) return Descriptor();
+    if (std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count() > seconds) return Descriptor();
     waiting();
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
   }

@@ -24,19 +24,21 @@ class FacetCache {
   };
   std::optional<Entry> find(const std::string& key) const;
   std::optional<std::string> find_text(const std::string& key) const;
-  // The entry that `make` writes under the path that it gets, with its hash put behind. What `make` throws passes through, and nothing is left.
+  // The entry that `make` writes under the path that it gets, with its hash put behind. Where that fails for the folder, as one that is full, it is
+  // called once more for the budget's folder. What `make` throws passes through then, and nothing is left.
   Entry add(const std::string& key, const std::function<void(const std::string& path)>& make) const;
   void add_text(const std::string& key, const std::string& text) const;  // a text that can't be kept is not
 
-  // Held by the process that makes an entry, so that others wait for it instead of making it as well. `waiting` is called now and then, and may
-  // throw. A folder without locks gives none.
-  Descriptor lock(const std::string& key, const std::function<void()>& waiting) const;
+  // Held by the process that makes an entry, so that others wait for it, so many seconds at most, instead of making it as well. `waiting` is called
+  // now and then, and may throw. Empty: the folder has no locks, or the time is over.
+  Descriptor lock(const std::string& key, double seconds, const std::function<void()>& waiting) const;
 
  private:
+  Entry add_in(const std::filesystem::path& folder, const std::string& key, const std::function<void(const std::string& path)>& make) const;
   std::filesystem::path path_of(const std::string& key) const;
   void make_room(const std::string& newest) const;
   std::filesystem::path folder_;  // empty: nothing is kept
-  std::filesystem::path other_;
+  std::filesystem::path other_;  // the budget's
 };
 
 }  // namespace teracell::mesher

@@ -92,7 +92,7 @@ KernelProcess::KernelProcess(const std::filesystem::path& program, std::string n
   const Descriptor their_end(::fcntl(there.get(), F_DUPFD_CLOEXEC, 10)), their_file(::fcntl(file.get(), F_DUPFD_CLOEXEC, 10));
   if (!their_end || !their_file) throw IoError(fmt::format("{}: can't open: {}", name_, std::strerror(errno)), errno);
   process_ = spawn(program, name_, fmt::format("{}", options.memory), their_end, their_file);
-  to_ = std::move(here);
+  socket_ = std::move(here);
 }
 
 KernelProcess::~KernelProcess() {
@@ -108,7 +108,7 @@ bool KernelProcess::is_idle() {
 
 void KernelProcess::send(const std::string& text) {
   for (size_t done = 0; done < text.size();) {
-    const ssize_t sent = ::send(to_.get(), text.data() + done, text.size() - done, MSG_NOSIGNAL);
+    const ssize_t sent = ::send(socket_.get(), text.data() + done, text.size() - done, MSG_NOSIGNAL);
     if (sent < 0 && errno == EINTR) continue;
     if (sent < 0) return;  // it is gone, which next_line() will find
     done += static_cast<size_t>(sent);
@@ -130,11 +130,11 @@ bool KernelProcess::next_line(std::string& line, const CadOptions& options, doub
       throw InputError(
           fmt::format("{}: the CAD kernel was stopped after {:.3g} seconds: expected it to be done within {:.3g}", name_, seconds, options.seconds),
           Remedy::kCadTime);
-    pollfd waits = {to_.get(), POLLIN, 0};
+    pollfd waits = {socket_.get(), POLLIN, 0};
     constexpr int kLook = 100;  // milliseconds between two looks at whether the user has asked to stop
     if (::poll(&waits, 1, kLook) <= 0) continue;
     char some[1 << 16];
-    const ssize_t got = ::recv(to_.get(), some, sizeof some, 0);
+    const ssize_t got = ::recv(socket_.get(), some, sizeof some, 0);
     if (got < 0 && errno == EINTR) continue;
     if (got <= 0) return false;
     buffer_.append(some, static_cast<size_t>(got));
@@ -147,8 +147,11 @@ void KernelProcess::fail_after_end(const CadOptions& options) {
   const int status = wait_for(std::exchange(process_, -1));
   const std::string how = WIFSIGNALED(status) ? fmt::format("it was ended by signal {} ({})", WTERMSIG(status), ::strsignal(WTERMSIG(status)))
                                               : fmt::format("it ended with status {}", WEXITSTATUS(status));
-  throw InputError(fmt::format("{}: the CAD kernel failed on this file: {}; it may have {} of memory", name_, how, size_text(options.memory)),
-                   Remedy::kCadMemory);
+  // These two may be for want of memory.
+  const bool memory = WIFSIGNALED(status) && (WTERMSIG(status) == SIGABRT || WTERMSIG(status) == SIGKILL);
+  throw InputError(fmt::format("{}: the CAD kernel failed on this file: {}{}", name_, how,
+                               memory ? fmt::format("; it may have {} of memory", size_text(options.memory)) : ""),
+                   memory ? Remedy::kCadMemory : Remedy::kNone);
 }
 
 std::string KernelProcess::ask(const std::string& command, const std::string& key, const CadOptions& options) {

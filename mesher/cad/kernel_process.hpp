@@ -4,7 +4,6 @@
 #include <sys/types.h>
 
 #include <chrono>
-#include <functional>
 #include <string>
 
 #include "mesher/surface/read_options.hpp"
@@ -35,7 +34,7 @@ class KernelProcess {
   [[noreturn]] void fail_after_end(const CadOptions& options);
   const std::string name_;
   pid_t process_ = -1;
-  Descriptor to_, from_;
+  Descriptor socket_;
   std::string buffer_;
   size_t searched_ = 0;  // bytes of it without the end of a line
   bool busy_ = false;

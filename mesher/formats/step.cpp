@@ -1,12 +1,12 @@
 // STEP (ISO 10303-21): products in a tree, made of exact solids. A CAD kernel, which is a program of its own, reads them and makes facets of
 // them. The unit that is stated is found in the text: the kernel converts all that it reads into millimetres.
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "mesher/cad/cad_model.hpp"
+#include "mesher/cad/facets_file.hpp"
 #include "mesher/formats/step_unit.hpp"
 #include "mesher/surface/readers.hpp"
 #include "store/base/error.hpp"
@@ -22,6 +22,12 @@ Match recognises_step(const Head& head) {
 }
 
 std::string stated(const StepUnit& unit) { return unit.found().empty() ? kKernelUnit : unit.found(); }
+
+std::vector<std::string> paths_of(const PartTree& tree) {
+  std::vector<std::string> out;
+  for (const Part& part : tree.parts()) out.push_back(part.path);
+  return out;
+}
 
 std::string unit_of_step(Input& input) {
   StepUnit unit;
@@ -53,22 +59,24 @@ class StepFile {
 
   PartTree tree(const Budget& budget) {
     const double scale = to_asked_for_.value();
-    const double deflection = cad_.deflection ? *cad_.deflection / scale : usual_deflection(outline(budget)) / scale;
+    const double deflection = std::max(kLeastDeflection, (cad_.deflection ? *cad_.deflection : usual_deflection(outline(budget))) / scale);
     CadModel::Outline outline = model_->outline();
     Shapes shapes(budget);
-    auto facts = std::make_shared<CadFacts>(model_->add_facets(shapes, deflection, to_asked_for_, std::move(outline.shapes)));
-    file_.cad = std::move(facts);
+    file_.cad = std::make_shared<const CadFacts>(model_->add_facets(shapes, deflection, to_asked_for_, std::move(outline.shapes)));
     return tree_of(std::move(outline), std::move(shapes));
   }
 
   std::optional<std::array<Vec3, 2>> box(PartTree& tree, const std::vector<TakenParts>& taken) {
     std::vector<CadInstance> instances;
-    for (const TakenParts& some : taken)
-      for (const uint32_t i : tree.matching(PartGlob(some.glob))) {
+    for (const TakenParts& some : taken) {
+      const std::vector<uint32_t> parts = tree.matching(PartGlob(some.glob));
+      if (parts.empty()) refuse_no_match(name_, some.glob, paths_of(tree));
+      for (const uint32_t i : parts) {
         const Part& part = tree.parts()[i];
         instances.push_back({*tree.node(part).shape, product(some.matrix, part.matrix)});
         for (const size_t m : {0, 1, 2, 4, 5, 6, 8, 9, 10}) instances.back().matrix[m] *= to_asked_for_.value();
       }
+    }
     if (instances.empty()) return std::nullopt;
     return model_->box(instances);
   }

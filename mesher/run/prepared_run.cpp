@@ -44,7 +44,7 @@ PreparedRun::PreparedRun(const Scene& of, const std::filesystem::path& output, c
   give_back_memory();
   CadOptions cad = options.cad;
   cad.threads = threads;
-  if (cad.cache.empty()) cad.cache = options.tmp.empty() ? options.tmp : options.tmp / "teracell-cad";
+  if (cad.cache.empty() && !options.tmp.empty()) cad.cache = options.tmp / "teracell-cad";
   cad.waiting = [&](double share) { this->progress("facets", share); };
   const struct KernelsEnd {
     ~KernelsEnd() { end_idle_kernels(); }

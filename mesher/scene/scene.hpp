@@ -59,8 +59,8 @@ struct SceneBody {
   Matrix matrix = kIdentity;
   Deflection deflection;  // of exact surfaces, as STEP files have them; and the angle between neighbouring chords, in degrees
   double angle = 12;
-  bool face_patches = false;  // so are faces of a part that have a colour of their own
   bool patches = true;  // groups, objects and solids of the mesh are patches of their own
+  bool face_patches = false;  // so are faces of a part that have a colour of their own
   friend bool operator==(const SceneBody&, const SceneBody&) = default;
 };
 

@@ -160,16 +160,19 @@ void FacetStream::make_room() {
   capacity_ = limit_ = kMany;
 }
 
+void refuse_no_match(const std::string& name, const std::string& glob, const std::vector<std::string>& parts, bool more) {
+  constexpr size_t kShown = 8;
+  if (parts.empty() && !more) throw InputError(fmt::format("{}: no part matches {}: the file names no parts", name, shown(glob)));
+  std::vector<std::string> some;
+  for (size_t i = 0; i < std::min(parts.size(), kShown); ++i) some.push_back(shown(parts[i]));
+  throw InputError(fmt::format("{}: no part matches {}: the file has {}{}: {}{}", name, shown(glob), more ? "more than " : "",
+                               parts.size() == 1 ? "1 part" : fmt::format("{} parts", parts.size()), fmt::join(some, ", "),
+                               more || parts.size() > some.size() ? ", ..." : ""));
+}
+
 void FacetStream::finish(const std::string& name, SurfaceFile& file) {
   flush();
-  if (!matched_ && parts_.empty() && !more_parts_)
-    throw InputError(fmt::format("{}: no part matches {}: the file names no parts", name, shown(glob_.text())));
-  if (!matched_) {
-    std::vector<std::string> some;
-    for (size_t i = 0; i < std::min<size_t>(parts_.size(), 8); ++i) some.push_back(shown(parts_[i]));
-    throw InputError(fmt::format("{}: no part matches {}: the file has {}{} parts: {}{}", name, shown(glob_.text()), more_parts_ ? "more than " : "",
-                                 parts_.size(), fmt::join(some, ", "), more_parts_ || parts_.size() > some.size() ? ", ..." : ""));
-  }
+  if (!matched_) refuse_no_match(name, glob_.text(), parts_, more_parts_);
   if (facets_ == 0)
     throw InputError(fmt::format("{}: {}{}{}", name,
                                  glob_.takes_all() ? "holds no facet" : fmt::format("the parts that match {} hold no facet", shown(glob_.text())),

@@ -78,6 +78,9 @@ class FacetStream {
   std::vector<std::string> warnings_;
 };
 
+// Throws the InputError for a pattern that matches none of a file's parts. `more`: there are more than these.
+[[noreturn]] void refuse_no_match(const std::string& name, const std::string& glob, const std::vector<std::string>& parts, bool more = false);
+
 // Turns a polygon, given vertex by vertex, into a fan of facets around its first vertex.
 class Fan {
  public:

@@ -21,11 +21,6 @@ void text_or_null(JsonWriter& json, std::string_view name, const std::string& te
   else json.field(name, text);
 }
 
-void number_or_null(JsonWriter& json, std::string_view name, const std::optional<double>& number) {
-  if (number) json.field(name, *number);
-  else json.field(name, nullptr);
-}
-
 void write_box(JsonWriter& json, const Vec3& lo, const Vec3& hi) {
   json.field("box", std::span<const double>(std::array{lo[0], lo[1], lo[2], hi[0], hi[1], hi[2]}));
 }
@@ -36,8 +31,8 @@ void write_kind(JsonWriter& json, const PartKind& k) {
   json.field("instances", k.instances).field("facets", k.facets).field("closed", k.closed).field("open_edges", k.open_edges);
   write_box(json, k.lo, k.hi);
   json.field("volume", k.volume);
-  number_or_null(json, "kernel_volume", k.kernel_volume);
-  number_or_null(json, "sender_volume", k.sender_volume);
+  json.field("kernel_volume", k.kernel_volume);
+  json.field("sender_volume", k.sender_volume);
   json.field("area", k.area);
   text_or_null(json, "color", k.color);
   text_or_null(json, "material", k.material);

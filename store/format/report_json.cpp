@@ -219,31 +219,21 @@ void read_rest(const JsonNode& j, Report& report) {
 
 namespace {
 
-void number_or_null(JsonWriter& out, std::string_view key, const std::optional<double>& number) {
-  if (number) out.field(key, *number);
-  else out.key(key).raw("null");
-}
-
 void write_cad(JsonWriter& out, const CadReport& cad) {
   out.key("cad").begin_object().field("kernel", cad.kernel).field("key", cad.key).field("facets_hash", cad.hash);
   out.field("deflection", cad.deflection).field("angle", cad.angle);
-  number_or_null(out, "grid_volume", cad.grid_volume);
+  out.field("grid_volume", cad.grid_volume);
   out.field("by_shares", cad.by_shares).key("parts").begin_array();
   for (const CadPartReport& p : cad.parts) {
     out.begin_object().field("path", p.path).field("instances", p.instances).field("faces", p.faces);
     out.field("faces_without_facets", p.faces_without_facets).field("closed", p.closed).field("facet_volume", p.facet_volume);
-    number_or_null(out, "kernel_volume", p.kernel_volume);
-    number_or_null(out, "sender_volume", p.sender_volume);
+    out.field("kernel_volume", p.kernel_volume);
+    out.field("sender_volume", p.sender_volume);
     out.end_object();
   }
   out.end_array();
   if (cad.parts_left_out > 0) out.field("parts_left_out", cad.parts_left_out);
   out.end_object();
-}
-
-std::optional<double> number_or_null(const JsonNode& j, std::string_view key) {
-  const JsonNode n = j.require(key);
-  return n.is_null() ? std::nullopt : std::optional(n.number());
 }
 
 std::optional<CadReport> cad_in(const JsonNode& input) {
@@ -256,12 +246,12 @@ std::optional<CadReport> cad_in(const JsonNode& input) {
                 j->require("angle").number(),
                 {},
                 0,
-                number_or_null(*j, "grid_volume"),
+                j->number_or_null("grid_volume"),
                 j->require("by_shares").boolean()};
   j->each("parts", [&](const JsonNode& p) {
     out.parts.push_back({p.require("path").any_text(), p.require("instances").whole(), p.require("faces").whole(),
                          p.require("faces_without_facets").whole(), p.require("closed").boolean(), p.require("facet_volume").number(),
-                         number_or_null(p, "kernel_volume"), number_or_null(p, "sender_volume")});
+                         p.number_or_null("kernel_volume"), p.number_or_null("sender_volume")});
   });
   if (const auto n = j->find("parts_left_out")) out.parts_left_out = n->whole();
   return out;

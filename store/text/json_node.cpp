@@ -81,6 +81,11 @@ double JsonNode::positive() const {
   return x;
 }
 
+std::optional<double> JsonNode::number_or_null(std::string_view key) const& {
+  const JsonNode n = require(key);
+  return n.is_null() ? std::nullopt : std::optional(n.number());
+}
+
 bool JsonNode::boolean() const {
   if (!value_->is_boolean()) fail("true or false");
   return value_->get<bool>();

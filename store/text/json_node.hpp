@@ -53,6 +53,7 @@ class JsonNode {
   double exact() const;                        // a number
   double number() const { return exact() + 0.0; }  // -0 is 0
   double positive() const;
+  std::optional<double> number_or_null(std::string_view key) const&;  // of an object that has the key
   int64_t integer(int64_t lo, int64_t hi) const;      // 1e3 and 1000.0 are integers, too
   uint64_t whole(uint64_t hi = ~uint64_t{0}) const;  // from 0 to hi; 1e3 and 1000.0 are not whole
   bool boolean() const;

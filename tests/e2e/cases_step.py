@@ -645,6 +645,26 @@ class StepKernel(StepCase):
         self.write("spindle.step", hostile.of(hostile.torus(1, 5)))
         self.assertIn(self.interrupted_soon(program.PROGRAM, "info", "spindle.step"), (130, -signal.SIGINT))
 
+    def test_a_product_without_a_name_has_its_kind_and_number(self):
+        m = hostile.Model()
+        root = m.product("", identifier="")
+        for name in ("", " ", "plate"):
+            m.place(root, m.product(name, hostile.cube, identifier=name))
+        self.write("blank.step", m.text())
+        paths = [part["path"] for part in self.files_of("blank.step")[0]["parts"]]
+        self.assertEqual(paths, ["/assembly 1/solid 1", "/assembly 1/solid 2", "/assembly 1/plate"])
+
+    def test_a_pattern_that_matches_nothing_is_named_before_there_is_a_grid(self):
+        self.write("s.json", json.dumps({"units": "mm", "grid": {"cells": 20}, "materials": {"air": {}, "a": {}}, "background": "air",
+                                         "bodies": [{"mesh": model("torus"), "part": "nope*", "material": "a"}]}))
+        self.assert_refused(self.teracell("mesh", "s.json", "-o", "g.tcell"), 1, ["torus.step", "no part matches 'nope*'", "1 part:"])
+
+    def test_a_model_smaller_than_the_least_length_of_the_kernel_is_read(self):
+        m = hostile.Model("(LENGTH_UNIT() NAMED_UNIT(*) SI_UNIT(.NANO.,.METRE.))")
+        m.product("tiny", lambda model: hostile.cube(model, size=100))
+        self.write("tiny.step", m.text())
+        self.assertEqual(self.files_of("tiny.step")[0]["parts"][0]["facets"], 12)
+
     def test_without_a_cache_that_can_be_used_every_command_works(self):
         self.write("file", b"")
         os.mkdir(self.path("line\nbreak"))

@@ -178,7 +178,6 @@ void add_cad_limits(CLI::App& app, CadArguments& cad) {
 
 mesher::CadOptions CadArguments::options() const {
   mesher::CadOptions out;
-  out.threads = threads_or_all(0);
   out.seconds = seconds;
   if (!memory.empty()) out.memory = parse_size(memory, "--cad-memory");
   return out;

@@ -29,6 +29,8 @@
 #include <TopoDS_Vertex.hxx>
 #include <TopTools_ShapeMapHasher.hxx>
 
+#include "mesher/cad/facets_file.hpp"
+
 namespace teracell::step {
 namespace {
 
@@ -40,7 +42,7 @@ struct Mesh {
     std::vector<std::array<uint32_t, 3>> triangles;
   };
   std::vector<Group> groups;
-  size_t faces_without_triangles = 0;
+  size_t faces_without_facets = 0;
 };
 
 // Faces have nodes of their own. Those that lie on the same edge, at the same place of its polygon, are one vertex, and so are those at
@@ -53,7 +55,7 @@ class Welding {
 
   Mesh mesh() {
     Mesh out;
-    out.faces_without_triangles = without_;
+    out.faces_without_facets = without_;
     std::vector<uint32_t> number(points_.size(), ~uint32_t{0});
     const auto vertex = [&](uint32_t node) {
       const uint32_t root = find(node);
@@ -280,14 +282,13 @@ void write_facets(const Model& model, const Tolerances& tolerances, const std::s
   for (size_t i = 0; i < model.shapes.size(); ++i) {
     const Shape& shape = model.shapes[i];
     const Mesh& mesh = meshes.emplace_back(Welding(shape).mesh());
-    without += mesh.faces_without_triangles;
+    without += mesh.faces_without_facets;
     const Measures facets = measure(mesh);
     nlohmann::json groups = nlohmann::json::array();
     for (const Mesh::Group& g : mesh.groups) groups.push_back({{"color", g.color}, {"triangles", g.triangles.size()}});
     shapes.push_back({{"vertices", mesh.vertices.size()},
                       {"groups", groups},
-                      {"faces", shape.faces},
-                      {"faces_without_triangles", mesh.faces_without_triangles},
+                      {"faces_without_facets", mesh.faces_without_facets},
                       {"closed", is_closed(mesh)},
                       {"facet_volume", facets.volume},
                       {"facet_area", facets.area},
@@ -298,7 +299,7 @@ void write_facets(const Model& model, const Tolerances& tolerances, const std::s
   const std::string head = nlohmann::json({{"shapes", shapes}}).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
   Output out(path);
   const uint64_t bytes = head.size();
-  out.put("teracad1", 8);
+  out.put(mesher::kFacetsMagic.data(), mesher::kFacetsMagic.size());
   out.put(&bytes, 1);
   out.put(head.data(), head.size());
   for (const Mesh& mesh : meshes) {

@@ -44,7 +44,10 @@
 namespace teracell::step {
 namespace {
 
-std::string text_of(const Handle(TCollection_HAsciiString) & text) { return text.IsNull() ? "" : text->ToCString(); }
+// A text of blanks alone is none.
+std::string unless_blank(std::string text) { return text.find_first_not_of(" \t\r\n") == std::string::npos ? "" : text; }
+
+std::string text_of(const Handle(TCollection_HAsciiString) & text) { return text.IsNull() ? "" : unless_blank(text->ToCString()); }
 
 // Whether the third axis, where it is given, points against the product of the other two.
 bool mirrors(const Handle(StepGeom_CartesianTransformationOperator3d) & by) {
@@ -57,7 +60,7 @@ bool mirrors(const Handle(StepGeom_CartesianTransformationOperator3d) & by) {
 
 std::string name_of(const TDF_Label& label) {
   Handle(TDataStd_Name) name;
-  return label.FindAttribute(TDataStd_Name::GetID(), name) ? TCollection_AsciiString(name->Get()).ToCString() : "";
+  return label.FindAttribute(TDataStd_Name::GetID(), name) ? unless_blank(TCollection_AsciiString(name->Get()).ToCString()) : "";
 }
 
 std::string address_of(const TDF_Label& label) {
@@ -230,8 +233,18 @@ class Reader {
     } else {
       add_shapes(label, color, number);
     }
+    if (out_.nodes[number].name.empty()) out_.nodes[number].name = numbered(kind_of(out_.nodes[number]));
     return number;
   }
+
+  const char* kind_of(const Node& node) const {
+    if (!node.shape) return "assembly";
+    const TopAbs_ShapeEnum type = out_.shapes[*node.shape].shape.ShapeType();
+    return type == TopAbs_SOLID ? "solid" : type == TopAbs_SHELL ? "shell" : "faces";
+  }
+
+  // "solid 3" for the third product of a kind that has no name.
+  std::string numbered(const std::string& kind) { return kind + ' ' + std::to_string(++unnamed_[kind]); }
 
   // A product's shape: one solid is the part itself, several are parts below it.
   void add_shapes(const TDF_Label& label, const std::string& color, uint32_t number) {
@@ -248,12 +261,11 @@ class Reader {
     std::map<std::string, int> count;
     for (const uint32_t shape : shapes) {
       Node& node = out_.nodes.emplace_back();
-      const TopoDS_Shape& s = out_.shapes[shape].shape;
-      const char* kind = s.ShapeType() == TopAbs_SOLID ? "solid" : s.ShapeType() == TopAbs_SHELL ? "shell" : "faces";
-      const int n = ++count[kind];
-      const auto named = entity_name_.find(s.TShape().get());
-      node.name = named == entity_name_.end() || named->second.empty() ? std::string(kind) + ' ' + std::to_string(n) : named->second;
       describe(node, shape);
+      const char* kind = kind_of(node);
+      const int n = ++count[kind];
+      const auto named = entity_name_.find(out_.shapes[shape].shape.TShape().get());
+      node.name = named == entity_name_.end() || named->second.empty() ? std::string(kind) + ' ' + std::to_string(n) : named->second;
       out_.nodes[number].uses.push_back({static_cast<uint32_t>(out_.nodes.size() - 1), matrix_of({}), ""});
     }
   }
@@ -297,6 +309,7 @@ class Reader {
   Handle(XCAFDoc_ColorTool) colors_;
   Model out_;
   std::unordered_map<const void*, std::string> entity_name_;       // by the TShape of a solid or a shell
+  std::map<std::string, int> unnamed_;                             // how many products of a kind have no name
   std::unordered_map<std::string, uint32_t> nodes_;                // by the address of a product and its colour
   std::unordered_map<std::string, std::vector<uint32_t>> shapes_;  // by the address of a product
 };

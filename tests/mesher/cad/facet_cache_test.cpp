@@ -149,12 +149,13 @@ TEST_CASE("An entry isn't there before it is complete, and two that make it make
 TEST_CASE("Whoever makes an entry holds its lock: others wait, and may stop waiting", "[cad]") {
   const CacheFolder folder;
   const FacetCache one = folder.cache(), other = folder.cache();
-  std::optional<Descriptor> held = one.lock("a", [] {});
+  std::optional<Descriptor> held = one.lock("a", 60, [] {});
+  CHECK_FALSE(static_cast<bool>(other.lock("a", 0, [] {})));
   CHECK(static_cast<bool>(*held));
-  CHECK(static_cast<bool>(other.lock("b", [] { FAIL("another key"); })));
-  CHECK_THROWS_WITH(other.lock("a", [] { throw InputError("interrupted"); }), "interrupted");
+  CHECK(static_cast<bool>(other.lock("b", 60, [] { FAIL("another key"); })));
+  CHECK_THROWS_WITH(other.lock("a", 60, [] { throw InputError("interrupted"); }), "interrupted");
   int waited = 0;
-  const Descriptor later = other.lock("a", [&] {
+  const Descriptor later = other.lock("a", 60, [&] {
     if (++waited == 2) held.reset();
   });
   CHECK(static_cast<bool>(later));
@@ -215,7 +216,7 @@ TEST_CASE("A folder that can't be used keeps nothing, and entries live as long a
     CHECK_FALSE(cache.find("a"));
     cache.add_text("b", "text");
     CHECK_FALSE(cache.find_text("b"));
-    CHECK_FALSE(static_cast<bool>(cache.lock("a", [] {})));
+    CHECK_FALSE(static_cast<bool>(cache.lock("a", 60, [] {})));
     CHECK_THROWS_WITH(cache.add("a", [](const std::string&) { throw InputError("the kernel gave up"); }), "the kernel gave up");
   }
   CHECK(testing::open_descriptors() == open);
