@@ -1,5 +1,6 @@
 #include "mesher/run/casting.hpp"
 
+#include <algorithm>
 #include <mutex>
 #include <utility>
 
@@ -20,8 +21,11 @@ void add_totals(CastTotals& sum, const TileGroupWork& group) {
 
 Casting::Casting(const PreparedRun& run, const EngineMaker& make_engine) : run_(run) {
   for (uint32_t b = 0; b < run.scene.bodies.size(); ++b) layers_.insert(layers_.end(), {{b, false}, {b, true}});
-  for (int i = 0; i < run.threads; ++i)
+  const bool exact = std::ranges::any_of(run.bodies.bodies, [](const BodyFacets& b) { return b.file.cad != nullptr; });
+  for (int i = 0; i < run.threads; ++i) {
     workers_.push_back(std::make_unique<Worker>(make_engine(), layers_, run.plan.labels, run.scene, run.plan.meta, run.options));
+    workers_.back()->sums_shares = exact;
+  }
 }
 
 void Casting::cast(const Tiling& tiling, const std::function<std::optional<TileGroup>()>& next_group, PyramidWriter& pyramid,

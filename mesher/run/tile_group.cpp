@@ -45,7 +45,7 @@ void TileGroupWork::make_chunk(uint32_t i, std::span<const SceneFacet* const> fa
 void TileGroupWork::make_frames(uint32_t i, const Box& cells, std::span<const SceneFacet* const> facets, const RayBlock& runs, Worker& worker) {
   if (worker.fractions) {
     worker.fractions->count({cells, worker.crossings.all.size(), &runs}, worker.marker.solids(facets), *worker.engine, worker.mixed);
-    add_shares(worker.mixed, runs, totals_[i / kFanOut].shares);
+    if (worker.sums_shares) add_shares(worker.mixed, runs, totals_[i / kFanOut].shares);
     std::vector<Bytes>& out = frames_[i].emplace_back();
     for (uint32_t s = 0; s < shape_.segments; ++s) {
       const uint32_t from = s * shape_.chunk_cells;

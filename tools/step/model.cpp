@@ -45,7 +45,7 @@ namespace teracell::step {
 namespace {
 
 // A text of blanks alone is none.
-std::string unless_blank(std::string text) { return text.find_first_not_of(" \t\r\n") == std::string::npos ? "" : text; }
+std::string unless_blank(const std::string& text) { return text.find_first_not_of(" \t\r\n") == std::string::npos ? "" : text; }
 
 std::string text_of(const Handle(TCollection_HAsciiString) & text) { return text.IsNull() ? "" : unless_blank(text->ToCString()); }
 
