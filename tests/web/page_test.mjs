@@ -452,7 +452,7 @@ test("with the keyboard alone, every control can be reached, seen and used", asy
       used.hidden = await comes(() => !teracell.viewer.looks.value[1].visible, null);
     }
   }
-  assert.deepEqual(used, { slice: true, hidden: true });
+  assert.deepEqual(used, { slice: true, hidden: true }, `reached: ${names.join("; ")}`);
   for (const expected of [
     "Only the slice across x", "Help", "Slice across z", "Play the slices across x", "Column along y", "Pin this cell", "Materials", "Colour of",
   ])

@@ -75,8 +75,10 @@ export function make_rulers(viewer: Viewer, space: Space, slid: () => void) {
         knob.setAttribute("aria-valuenow", String(cell));
         knob.setAttribute("aria-valuetext", text);
         knob.title = `${AXIS_NAMES[d]} = ${text}: drag to move the slice`;
-        for (const e of [low, high, knob]) e.hidden = true;
-        if (!edge) continue;
+        if (!edge) {
+          for (const e of [low, high, knob]) move(e, null);
+          continue;
+        }
         const middle = [...edge.a] as [number, number, number];
         middle[d] = at[d]!;
         const p = project(to, middle);
