@@ -10,7 +10,6 @@
 #include "mesher/closing/extrude.hpp"
 #include "mesher/closing/lengths.hpp"
 #include "mesher/scene/placement.hpp"
-#include "mesher/surface/area.hpp"
 #include "store/base/error.hpp"
 
 namespace teracell::mesher {

@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include "mesher/scene/placement.hpp"
-#include "mesher/surface/area.hpp"
 #include "store/text/text.hpp"
 
 namespace teracell::mesher {

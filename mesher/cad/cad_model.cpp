@@ -7,16 +7,14 @@
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
-#include <cstring>
-#include <list>
-#include <mutex>
 #include <thread>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "mesher/cad/facets_file.hpp"
-#include "mesher/cad/kernel_process.hpp"
+#include "mesher/cad/idle_kernels.hpp"
+#include "mesher/cad/kernel_facets.hpp"
 #include "store/base/bytes.hpp"
 #include "store/base/error.hpp"
 #include "store/format/format.hpp"
@@ -25,40 +23,6 @@
 
 namespace teracell::mesher {
 namespace {
-
-// Kernels that have read a file and wait, by its hash: a run looks at a file's tree first, then at its box, then at its facets, from different
-// places. Threads share it.
-class IdleKernels {
- public:
-  std::unique_ptr<KernelProcess> take(const std::string& file) {
-    std::lock_guard lock(mutex_);
-    const auto found = std::ranges::find(list_, file, &Idle::first);
-    if (found == list_.end()) return nullptr;
-    std::unique_ptr<KernelProcess> out = std::move(found->second);
-    list_.erase(found);
-    return out;
-  }
-  void add(const std::string& file, std::unique_ptr<KernelProcess> kernel) {
-    constexpr size_t kMost = 4;
-    std::lock_guard lock(mutex_);
-    list_.emplace_front(file, std::move(kernel));
-    if (list_.size() > kMost) list_.pop_back();
-  }
-  void clear() {
-    std::lock_guard lock(mutex_);
-    list_.clear();
-  }
-
- private:
-  using Idle = std::pair<std::string, std::unique_ptr<KernelProcess>>;
-  std::mutex mutex_;
-  std::list<Idle> list_;
-};
-
-IdleKernels& idle_kernels() {
-  static IdleKernels kernels;
-  return kernels;
-}
 
 std::span<const uint8_t> bytes_of(std::string_view text) { return {reinterpret_cast<const uint8_t*>(text.data()), text.size()}; }
 
@@ -99,52 +63,7 @@ PartNode::Use use_in(const JsonNode& use, size_t nodes, const std::string& name)
   return {static_cast<uint32_t>(use.require("node").whole(nodes - 1)), matrix_in(use, name), use.require("name").any_text()};
 }
 
-// The bytes of an entry from front to back.
-class EntryReader {
- public:
-  EntryReader(const FacetCache::Entry& entry, std::string name) : entry_(entry), name_(std::move(name)) {}
-  void read(void* to, size_t bytes) {
-    auto* out = static_cast<uint8_t*>(to);
-    while (bytes > 0) {
-      if (used_ == block_.size()) refill();
-      const size_t some = std::min(bytes, block_.size() - used_);
-      std::memcpy(out, block_.data() + used_, some);
-      out += some, used_ += some, bytes -= some;
-    }
-  }
-  uint64_t left() const { return entry_.size - at_ + (block_.size() - used_); }
-  [[noreturn]] void fail(const std::string& what) const { throw FormatError(fmt::format("{}: the CAD kernel's facets: {}", name_, what)); }
-
- private:
-  void refill() {
-    if (at_ == entry_.size) fail("too short");
-    block_.resize(std::min<uint64_t>(entry_.size - at_, 1 << 18));
-    if (entry_.file.read(at_, block_) < block_.size()) fail("can't be read");
-    at_ += block_.size();
-    used_ = 0;
-  }
-  const FacetCache::Entry& entry_;
-  const std::string name_;
-  Bytes block_;
-  size_t used_ = 0;
-  uint64_t at_ = 0;
-};
-
-double cubed(double v) { return v * v * v; }
-
-// What the kernel rounded to nearly nothing is 0: only a user's own coordinates are refused for that.
-Vec3 vertex_in(EntryReader& in) {
-  Vec3 v;
-  in.read(v.data(), sizeof v);
-  for (double& x : v)
-    if (!is_coordinate(x)) x = std::abs(x) < 1e-75 ? 0 : checked_coordinate(x, "a vertex of the CAD kernel");
-  for (double& x : v) x += 0.0;
-  return v;
-}
-
 }  // namespace
-
-void end_idle_kernels() { idle_kernels().clear(); }
 
 CadModel::CadModel(Input& input, const Budget& budget, const CadOptions& options, const std::function<void(std::string_view)>& each)
     : name_(input.name()),
@@ -180,7 +99,7 @@ std::string CadModel::find_version() {
 void CadModel::start() { kernel_ = std::make_unique<KernelProcess>(program_, name_, file_, options_); }
 
 CadModel::~CadModel() {
-  if (kernel_ && read_ && kernel_->is_idle()) idle_kernels().add(file_hash_, std::move(kernel_));
+  if (options_.kernels && kernel_ && read_ && kernel_->is_idle()) options_.kernels->add(file_hash_, std::move(kernel_));
 }
 
 std::string CadModel::key(const std::string& what) const {
@@ -195,8 +114,8 @@ Descriptor CadModel::lock(const std::string& what) const {
 }
 
 KernelProcess& CadModel::kernel() {
-  if (!kernel_) {
-    kernel_ = idle_kernels().take(file_hash_);
+  if (!kernel_ && options_.kernels) {
+    kernel_ = options_.kernels->take(file_hash_);
     read_ = kernel_ != nullptr;
   }
   if (kernel_ && !kernel_->is_idle()) kernel_.reset(), read_ = false;
@@ -306,50 +225,8 @@ CadFacts CadModel::add_facets(Shapes& shapes, double deflection, const Factor& f
     if (!entry) entry = cache_.add(out.key, make);
   }
   out.hash = entry->hash;
-  naming(name_, [&] { read_facets_of(*entry, shapes, factor, out); });
+  naming(name_, [&] { read_kernel_facets(entry->file, entry->size, name_, factor, shapes, out.shapes); });
   return out;
-}
-
-void CadModel::read_facets_of(const FacetCache::Entry& entry, Shapes& shapes, const Factor& factor, CadFacts& out) const {
-  EntryReader in(entry, name_);
-  std::array<char, kFacetsMagic.size()> magic;
-  uint64_t head_size = 0;
-  in.read(magic.data(), magic.size());
-  in.read(&head_size, sizeof head_size);
-  if (std::string_view(magic.data(), magic.size()) != kFacetsMagic || head_size > in.left()) in.fail("expected others");
-  std::string head(head_size, '\0');
-  in.read(head.data(), head.size());
-  const Json json = parse_json(head, "the CAD kernel's facets");
-  const JsonNode root(json, "the CAD kernel's facets");
-  const JsonNode shape_list = root.require("shapes");
-  const std::vector<JsonNode> list = shape_list.items(out.shapes.size());
-  const double volume = cubed(factor.value());
-  for (size_t i = 0; i < list.size(); ++i) {
-    const JsonNode& s = list[i];
-    CadShape& shape = out.shapes[i];
-    shape.faces_without_facets = s.require("faces_without_facets").whole();
-    shape.closed = s.require("closed").boolean();
-    shape.facet_volume = s.require("facet_volume").number() * volume;
-    shape.facet_area = s.require("facet_area").number() * factor.value() * factor.value();
-    shape.kernel_volume = s.number_or_null("kernel_volume");
-    for (std::optional<double>* v : {&shape.kernel_volume, &shape.sender_volume})
-      if (*v) **v *= volume;
-    const uint64_t vertices = s.require("vertices").whole(in.left() / sizeof(Vec3));
-    const uint32_t set = shapes.begin_vertices(false);
-    for (uint64_t v = 0; v < vertices; ++v) shapes.add_vertex(vertex_in(in), factor, name_);
-    shapes.begin_shape(true);  // a part, even if the kernel makes no facets of it
-    s.each("groups", [&](const JsonNode& g) {
-      const uint64_t triangles = g.require("triangles").whole(in.left() / 12);
-      shapes.begin_group(g.require("color").any_text());
-      for (uint64_t t = 0; t < triangles; ++t) {
-        std::array<uint32_t, 3> numbers;
-        in.read(numbers.data(), sizeof numbers);
-        if (std::ranges::any_of(numbers, [&](uint32_t n) { return n >= vertices; })) in.fail("expected the number of a vertex");
-        shapes.add_triangle(set, numbers);
-      }
-    });
-  }
-  if (in.left() > 0) in.fail("expected nothing more");
 }
 
 }  // namespace teracell::mesher

@@ -52,7 +52,6 @@ class CadModel {
   Descriptor lock(const std::string& what) const;
   KernelProcess& kernel();
   Outline outline_in(const std::string& text) const;
-  void read_facets_of(const FacetCache::Entry& entry, Shapes& shapes, const Factor& factor, CadFacts& out) const;
   const std::string name_;
   const CadOptions& options_;
   FacetCache cache_;
@@ -64,8 +63,5 @@ class CadModel {
   std::unique_ptr<KernelProcess> kernel_;
   bool read_ = false;  // the kernel has read the file
 };
-
-// Ends the kernels that wait for more questions about files that were read, and gives back their memory.
-void end_idle_kernels();
 
 }  // namespace teracell::mesher

@@ -52,6 +52,14 @@ std::array<uint8_t, kHash> hash_of(const Descriptor& file, uint64_t size) {
   return hash.digest();
 }
 
+// What a killed run has left unfinished: nobody holds its lock, which runs take when they have created the file.
+bool is_left(const fs::path& path, const struct stat& s) {
+  constexpr int64_t kSeconds = 60;
+  if (s.st_mtim.tv_sec >= int64_t{::time(nullptr)} - kSeconds) return false;
+  const Descriptor file = opened(path, O_RDONLY);
+  return file && ::flock(file.get(), LOCK_EX | LOCK_NB) == 0;
+}
+
 }  // namespace
 
 FacetCache::FacetCache(fs::path folder, const Budget& budget) : folder_(folder.empty() ? users_folder() : std::move(folder)), other_(budget.folder) {
@@ -101,6 +109,7 @@ FacetCache::Entry FacetCache::add_in(const fs::path& folder, const std::string& 
   std::string name = (folder / (key + "-XXXXXX" + kUnfinished)).string();
   Entry entry{Descriptor(::mkostemps(name.data(), static_cast<int>(std::strlen(kUnfinished)), O_CLOEXEC)), 0, ""};
   if (!entry.file) fail_at(name, "can't create", errno);
+  ::flock(entry.file.get(), LOCK_SH);  // it belongs to a run that lives
   try {
     make(name);
     struct stat s;
@@ -145,7 +154,7 @@ Descriptor FacetCache::lock(const std::string& key, double seconds, const std::f
   return file;
 }
 
-// Nothing but files with our endings is ever removed. Of what a killed run has left unfinished, and of locks, what is older than a day.
+// Nothing but files with our endings is ever removed. Of locks, those that are older than a day.
 void FacetCache::make_room(const std::string& newest) const {
   using File = std::tuple<int64_t, uint64_t, fs::path>;  // when it was used, its bytes
   std::vector<File> files;
@@ -156,7 +165,7 @@ void FacetCache::make_room(const std::string& newest) const {
     const std::string name = at->path().filename().string();
     struct stat s;
     if (::lstat(at->path().c_str(), &s) != 0 || !S_ISREG(s.st_mode)) continue;
-    if ((name.ends_with(kUnfinished) || name.ends_with(kLock)) && s.st_mtim.tv_sec < day_ago) ::unlink(at->path().c_str());
+    if (name.ends_with(kUnfinished) ? is_left(at->path(), s) : name.ends_with(kLock) && s.st_mtim.tv_sec < day_ago) ::unlink(at->path().c_str());
     if (!name.ends_with(kEnding)) continue;
     files.emplace_back(int64_t{s.st_mtim.tv_sec} * 1'000'000'000 + s.st_mtim.tv_nsec, static_cast<uint64_t>(s.st_size), at->path());
     all += static_cast<uint64_t>(s.st_size);

@@ -18,7 +18,7 @@ constexpr std::string_view kFirstWord = "ISO-10303-21";
 
 Match recognises_step(const Head& head) {
   const size_t start = head.bytes.find_first_not_of(" \t\r\n");
-  return head.text && start != std::string_view::npos && head.bytes.substr(start).starts_with(kFirstWord) ? Match::kSure : Match::kNo;
+  return start != std::string_view::npos && head.bytes.substr(start).starts_with(kFirstWord) ? Match::kSure : Match::kNo;
 }
 
 std::string stated(const StepUnit& unit) { return unit.found().empty() ? kKernelUnit : unit.found(); }

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "mesher/cad/cad_model.hpp"
+#include "mesher/cad/idle_kernels.hpp"
 #include "mesher/closing/trust.hpp"
 #include "mesher/engines/engines.hpp"
 #include "mesher/scene/placement.hpp"
@@ -46,11 +46,10 @@ PreparedRun::PreparedRun(const Scene& of, const std::filesystem::path& output, c
   cad.threads = threads;
   if (cad.cache.empty() && !options.tmp.empty()) cad.cache = options.tmp / "teracell-cad";
   cad.waiting = [&](double share) { this->progress("facets", share); };
-  const struct KernelsEnd {
-    ~KernelsEnd() { end_idle_kernels(); }
-  } at_the_end;
+  if (!cad.kernels) cad.kernels = std::make_shared<IdleKernels>();
   bodies = read_bodies(scene, plan_exact_surfaces(scene, cad, budget), options.count_aside ? std::max(2, threads) : threads, budget, counts,
                        [&](double share) { this->progress("read", share); });
+  cad.kernels->end();
   give_back_memory();
   end_phase("read");
   plan = make_plan(scene, bodies, options.axis, options.chunk_rays, options.fractions, options.links);

@@ -24,9 +24,7 @@ std::vector<CadPart> cad_parts(const PartTree& tree, const std::vector<uint32_t>
       continue;
     }
     CadPart& made = out.emplace_back(CadPart{part.path, 1, facts.shapes[shape]});
-    made.shape.facet_volume *= scale, made.shape.facet_area *= std::pow(scale, 2.0 / 3);
-    for (std::optional<double>* v : {&made.shape.kernel_volume, &made.shape.sender_volume})
-      if (*v) **v *= scale;
+    made.shape.scale(scale, std::pow(scale, 2.0 / 3));
   }
   return out;
 }

@@ -1,9 +1,10 @@
-// What the CAD kernel says of the parts that are taken of a file, and where its volumes don't agree.
+// The parts that are taken of a file of exact surfaces, and where their volumes don't agree.
 #pragma once
+#include <cstdint>
 #include <string>
 #include <vector>
 
-#include "mesher/surface/facet.hpp"
+#include "mesher/surface/cad_facts.hpp"
 #include "mesher/surface/part_tree.hpp"
 
 namespace teracell::mesher {

@@ -11,6 +11,7 @@
 #include <string_view>
 #include <vector>
 
+#include "mesher/surface/cad_facts.hpp"
 #include "mesher/surface/matrix.hpp"
 #include "mesher/surface/units.hpp"
 #include "store/grid/grid.hpp"
@@ -21,25 +22,14 @@ struct Facet {
   std::array<Vec3, 3> vertex;
 };
 
-// What the CAD kernel says of a solid or a shell, in the units that the file was read in.
-struct CadShape {
-  uint64_t faces = 0, faces_without_facets = 0;
-  bool closed = false;                                 // its facets are
-  double facet_volume = 0, facet_area = 0;
-  std::optional<double> kernel_volume, sender_volume;  // of the exact shape; what the file says of it
-};
-struct CadFacts {
-  std::string kernel;     // "OpenCASCADE 7.6.3"
-  std::string key, hash;  // of file, kernel and options, by which the facets are kept; of the facets
-  double deflection, angle;
-  std::vector<CadShape> shapes;
-};
-// Parts that a body takes of one shape and scale.
-struct CadPart {
-  std::string path;  // of the first
-  uint64_t instances = 1;
-  CadShape shape;
-};
+// Half of the length of the facet's normal, with one rounding per operation, so that it is the same everywhere.
+inline double area(const std::array<Vec3, 3>& p) {
+  Vec3 a, b;
+  for (int d = 0; d < 3; ++d) a[d] = p[1][d] - p[0][d], b[d] = p[2][d] - p[0][d];
+  const double x = a[1] * b[2] - a[2] * b[1], y = a[2] * b[0] - a[0] * b[2], z = a[0] * b[1] - a[1] * b[0];
+  return std::sqrt((x * x + y * y) + z * z) / 2;
+}
+inline double area(const Facet& facet) { return area(facet.vertex); }
 
 // What reading a surface file found, besides its facets.
 struct SurfaceFile {

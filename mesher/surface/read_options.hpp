@@ -19,6 +19,7 @@ namespace teracell::mesher {
 // For reading outside of a run, which has a budget of its own: what exceeds a gigabyte lies on disk.
 inline Budget modest_budget() { return {.bytes = uint64_t{1} << 30, .folder = std::filesystem::temp_directory_path()}; }
 
+class IdleKernels;
 class KeptTrees;
 struct Part;
 
@@ -30,6 +31,7 @@ struct CadOptions {
   uint64_t memory = uint64_t{8} << 30;      // bytes
   double seconds = 1800;                    // for reading the file, and for making its facets
   std::filesystem::path cache;              // folder for what it made; empty: that of the user
+  std::shared_ptr<IdleKernels> kernels;     // keeps kernels that have read a file for the next question about it; null: nobody does
   std::function<void(double)> waiting = [](double) {};  // called now and then while the kernel works, with the share that is done; may throw
   static constexpr double kOfBox = 1e-4;
 };

@@ -7,7 +7,6 @@
 
 #include <fmt/format.h>
 
-#include "mesher/cad/cad_model.hpp"
 #include "mesher/closing/boundary.hpp"
 #include "mesher/closing/lengths.hpp"
 #include "mesher/surface/cad_parts.hpp"
@@ -191,7 +190,6 @@ FileSurvey survey(const std::filesystem::path& path, const Budget& budget, const
     out.file = std::move(kept.file);
     survey_tree(*kept.tree, budget, out);
     if (out.file.cad) add_volumes(*kept.tree, out);
-    end_idle_kernels();
   }
   return out;
 }

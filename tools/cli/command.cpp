@@ -179,6 +179,7 @@ void add_cad_limits(CLI::App& app, CadArguments& cad) {
 mesher::CadOptions CadArguments::options() const {
   mesher::CadOptions out;
   out.seconds = seconds;
+  out.kernels = kernels;
   if (!memory.empty()) out.memory = parse_size(memory, "--cad-memory");
   return out;
 }

@@ -9,6 +9,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "mesher/cad/idle_kernels.hpp"
 #include "mesher/surface/read_options.hpp"
 #include "store/base/wanted.hpp"
 #include "store/read/reader.hpp"
@@ -44,6 +45,7 @@ int threads_or_all(int threads);
 struct CadArguments {
   std::string memory;
   double seconds = mesher::CadOptions{}.seconds;
+  std::shared_ptr<mesher::IdleKernels> kernels = std::make_shared<mesher::IdleKernels>();
   mesher::CadOptions options() const;
 };
 void add_cad_limits(CLI::App& app, CadArguments& cad);

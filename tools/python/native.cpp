@@ -10,6 +10,7 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
+#include "mesher/cad/idle_kernels.hpp"
 #include "mesher/engines/engines.hpp"
 #include "mesher/pipeline.hpp"
 #include "mesher/report/report_json.hpp"
@@ -343,6 +344,7 @@ std::string mesh(const std::string& scene_text, const std::string& folder, const
   o.memory = static_cast<uint64_t>(::sysconf(_SC_PHYS_PAGES)) * static_cast<uint64_t>(::sysconf(_SC_PAGESIZE)) / 4;
   if (given("memory")) o.memory = options["memory"].cast<uint64_t>();
   if (given("tmp")) o.tmp = options["tmp"].cast<std::string>();
+  o.cad.kernels = std::make_shared<mesher::IdleKernels>();
   if (given("cad_memory")) o.cad.memory = options["cad_memory"].cast<uint64_t>();
   if (given("cad_seconds")) o.cad.seconds = options["cad_seconds"].cast<double>();
   if (given("thin")) o.thin = options["thin"].cast<bool>();

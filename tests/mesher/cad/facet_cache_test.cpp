@@ -190,18 +190,21 @@ TEST_CASE("What is made now stays, even where it alone is more than the limit", 
   CHECK_FALSE(fs::exists(folder.entry("large")));
 }
 
-TEST_CASE("Nothing but what the cache made is ever removed; what was left unfinished goes after a day", "[cad]") {
+TEST_CASE("Nothing but what the cache made is ever removed; what runs that have ended left unfinished goes, and locks after a day", "[cad]") {
   const CacheFolder folder;
   const FacetCache cache = folder.cache();
   for (const char* name : {"model.step", "notes.txt", "a.cad.bak", "cad"}) add_sparse(folder.folder / name, 3 * kGigabyte, 30 * kDay);
   fs::create_directory(folder.entry("folder"));
   fs::create_symlink("notes.txt", folder.entry("link"));
-  for (const int days : {0, 2})
-    for (const char* ending : {".cad-lock", "-Abc123.cad-unfinished"})
-      add_sparse(folder.folder / (std::to_string(days) + ending), 1, days * kDay + 10);
-  cache.add("new", writes("facets"));
+  for (const int days : {0, 2}) add_sparse(folder.folder / (std::to_string(days) + ".cad-lock"), 1, days * kDay + 10);
+  for (const int minutes : {0, 2}) add_sparse(folder.folder / (std::to_string(minutes) + "-Abc123.cad-unfinished"), 1, minutes * 60 + 10);
+  cache.add("slow", [&](const std::string& path) {
+    writes("facets")(path);
+    set_used(path, 2 * kDay);
+    cache.add("new", writes("facets"));
+  });
   CHECK(folder.names() == std::set<std::string>{"model.step", "notes.txt", "a.cad.bak", "cad", "folder.cad", "link.cad", "0.cad-lock",
-                                                "0-Abc123.cad-unfinished", "new.cad"});
+                                                "0-Abc123.cad-unfinished", "new.cad", "slow.cad"});
 }
 
 TEST_CASE("A folder that can't be used keeps nothing, and entries live as long as they are open", "[cad]") {
