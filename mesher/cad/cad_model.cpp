@@ -199,7 +199,8 @@ std::array<Vec3, 2> CadModel::box(const std::vector<CadInstance>& instances) {
   const auto out = naming(name_, [&] {
     const Json json = parse_json(text, "the CAD kernel's box");
     const JsonNode root(json, "the CAD kernel's box");
-    const auto b = root.require("box").numbers<6>();
+    auto b = root.require("box").numbers<6>();
+    for (double& v : b) v = std::abs(v) < 1e-75 ? 0 : v;
     for (const double v : b)
       if (!(std::abs(v) <= 1e75)) throw InputError(fmt::format("{}: the CAD kernel finds surfaces without bounds in it", name_));
     return std::array{Vec3{b[0], b[1], b[2]}, Vec3{b[3], b[4], b[5]}};

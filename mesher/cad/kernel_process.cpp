@@ -17,6 +17,7 @@
 
 #include <fmt/format.h>
 
+#include "mesher/surface/facet.hpp"
 #include "store/base/error.hpp"
 #include "store/text/json_text.hpp"
 #include "store/text/text.hpp"

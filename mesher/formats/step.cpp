@@ -45,6 +45,11 @@ class StepFile {
     model_.emplace(input, options.budget, cad_, [&](std::string_view some) { unit.feed(some); });
     file.format = "STEP";
     file.unit = stated(unit);
+    if (unit.found().empty())
+      file.warnings.push_back(
+          fmt::format("it states no unit of length that has a name here (m, cm, mm, um, nm, in, ft): its lengths are in {}, as the CAD "
+                      "kernel converts them",
+                      kKernelUnit));
     file.factor = factor(file.unit, options.units);
     to_asked_for_ = factor(kKernelUnit, options.units.empty() ? file.unit : options.units);
   }

@@ -9,7 +9,8 @@
 namespace teracell::mesher {
 namespace {
 
-constexpr std::string_view kConversion = "CONVERSION_BASED_UNIT('", kContext = "GLOBAL_UNIT_ASSIGNED_CONTEXT((";
+constexpr std::string_view kConversion = "CONVERSION_BASED_UNIT('", kContext = "GLOBAL_UNIT_ASSIGNED_CONTEXT((",
+                           kInSpace = "GEOMETRIC_REPRESENTATION_CONTEXT(3)";
 
 uint64_t number_at(std::string_view text, size_t at) {
   uint64_t n = 0;
@@ -61,12 +62,16 @@ void StepUnit::end_instance() {
   const std::string i = std::exchange(instance_, {});
   if (!i.starts_with('#')) return;
   if (i.find("LENGTH_UNIT()") != std::string::npos && units_.size() < kMostUnits) units_.emplace(number_at(i, 1), unit_of(i));
-  else if (const size_t at = i.find(kContext); at != std::string::npos && context_.empty()) {
+  else if (const size_t at = i.find(kContext);
+           at != std::string::npos && (context_.empty() || (!in_space_ && i.find(kInSpace) != std::string::npos))) {
+    in_space_ = i.find(kInSpace) != std::string::npos;
+    context_.clear();
+    found_.clear();
     const std::string_view list = std::string_view(i).substr(at, i.find(')', at) - at);
     for (size_t hash = list.find('#'); hash != std::string_view::npos; hash = list.find('#', hash + 1)) context_.push_back(number_at(list, hash + 1));
   } else return;
   for (const uint64_t c : context_)
-    if (const auto unit = units_.find(c); unit != units_.end()) found_ = unit->second, done_ = true;
+    if (const auto unit = units_.find(c); unit != units_.end()) found_ = unit->second, done_ = in_space_;
 }
 
 }  // namespace teracell::mesher

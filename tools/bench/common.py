@@ -14,11 +14,11 @@ MESHES = os.path.join(os.path.dirname(ROOT), "shared/meshes")
 TERACELL = os.path.join(ROOT, "build/bench/teracell")
 
 
-def build(packages, *targets):
+def build(packages, *targets, options=()):
     """Installs the Debian packages that are missing and builds the targets; what the tools say is shown only when one fails."""
     print("building ...", file=sys.stderr)
     for command in (["bash", "-euc", f'source tools/install/packages.sh; need "${{build_packages[@]}}" {packages}'],
-                    ["cmake", "--preset", "bench"],
+                    ["cmake", "--preset", "bench", *options],
                     ["cmake", "--build", "--preset", "bench", "--target", *(targets or ["all"])]):
         done = subprocess.run(command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
         if done.returncode != 0:

@@ -40,6 +40,12 @@ void extend(Box& box, const Box& by) {
   for (size_t d = 0; d < 3; ++d) box.lo[d] = std::min(box.lo[d], by.lo[d]), box.hi[d] = std::max(box.hi[d], by.hi[d]);
 }
 
+double longest_column(const Matrix& m) {
+  double out = 0;
+  for (size_t d = 0; d < 3; ++d) out = std::max(out, std::sqrt(m[d] * m[d] + m[4 + d] * m[4 + d] + m[8 + d] * m[8 + d]));
+  return out;
+}
+
 // The columns of the linear part, divided by their common length, which is negative where they mirror. False where the matrix is no rotation times a
 // scale: then the box of what it moves is that of the moved corners.
 bool split(const Matrix& m, std::array<double, 9>& rotation, double& scale) {
@@ -65,23 +71,30 @@ bool keeps_axes(const Matrix& m) {
 constexpr std::array<double, 9> kUnturned = {1, 0, 0, 0, 1, 0, 0, 0, 1};
 constexpr Box kNowhere = {{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
 
-constexpr double kTolerances = 2.1e-7;  // two of the kernel's, and their rounding: of a face and of its edges
+constexpr double kTolerances = 2.1e-7;  // two of the kernel's, and their rounding: of a face and of its edges, in the kernel's unit
+
+// A box that is known to hold something, which may be smaller by more than `slack`.
+struct Loose {
+  Box box;
+  double slack;
+};
 
 // The box of all items, of which loose boxes are known. Tight boxes cost much, so on each side only those items get one, by tight(i), whose loose
 // box reaches further than what is known by more than the kernel's own tolerance, which is in all loose boxes: else every face that ends at the
 // same plane would get one, and of a plate with 900 holes that takes longer than the facets.
 template <class Tight>
-Box around_all(const std::vector<Box>& loose, Tight&& tight) {
+Box around_all(const std::vector<Loose>& loose, Tight&& tight) {
   Box out = kNowhere;
   std::vector<bool> done(loose.size());
   std::vector<size_t> order(loose.size());
   for (size_t side = 0; side < 6; ++side) {
     const size_t d = side % 3;
-    const auto reach = [&](const Box& b) { return side < 3 ? -b.lo[d] : b.hi[d]; };
+    const auto reach_of = [&](const Box& b) { return side < 3 ? -b.lo[d] : b.hi[d]; };
+    const auto reach = [&](const Loose& l) { return reach_of(l.box) - l.slack; };
     std::iota(order.begin(), order.end(), size_t{0});
     std::ranges::stable_sort(order, [&](size_t a, size_t b) { return reach(loose[a]) > reach(loose[b]); });
     for (const size_t i : order) {
-      if (reach(loose[i]) <= reach(out) + kTolerances) break;
+      if (reach(loose[i]) <= reach_of(out)) break;
       if (!done[i]) extend(out, tight(i));
       done[i] = true;
     }
@@ -118,12 +131,13 @@ Box Boxes::tight(const Instance& instance) {
     gp_Trsf turn;
     if (turned) turn.SetValues(r[0], r[1], r[2], 0, r[3], r[4], r[5], 0, r[6], r[7], r[8], 0);
     turn.SetScaleFactor(1);  // within the kernel's tolerance it is 1 already
-    std::vector<Box> loose;
-    for (const Box& b : faces.loose) loose.push_back(turned ? moved(b, {r[0], r[1], r[2], 0, r[3], r[4], r[5], 0, r[6], r[7], r[8], 0}) : b);
+    std::vector<Loose> loose;
+    for (const Box& b : faces.loose)
+      loose.push_back({turned ? moved(b, {r[0], r[1], r[2], 0, r[3], r[4], r[5], 0, r[6], r[7], r[8], 0}) : b, kTolerances});
     known->second = around_all(loose, [&](size_t i) {
       Bnd_Box box;
       BRepBndLib::AddOptimal(turned ? faces.list[i].Moved(TopLoc_Location(turn)) : faces.list[i], box, false, false);
-      return box.IsVoid() ? loose[i] : of(box, false);
+      return box.IsVoid() ? loose[i].box : of(box, false);
     });
   }
   if (!turned) return moved(known->second, instance.matrix);
@@ -132,9 +146,10 @@ Box Boxes::tight(const Instance& instance) {
 }
 
 Box Boxes::around(const std::vector<Instance>& instances) {
-  std::vector<Box> loose;
+  std::vector<Loose> loose;
   loose.reserve(instances.size());
-  for (const Instance& i : instances) loose.push_back(faces_of(i.shape).list.empty() ? kNowhere : moved(faces_of(i.shape).all, i.matrix));
+  for (const Instance& i : instances)
+    loose.push_back({faces_of(i.shape).list.empty() ? kNowhere : moved(faces_of(i.shape).all, i.matrix), kTolerances * longest_column(i.matrix)});
   return around_all(loose, [&](size_t i) { return tight(instances[i]); });
 }
 

@@ -35,6 +35,14 @@ TEST_CASE("STEP: the unit is that of the first context, wherever the unit itself
   CHECK(found(kMilli + context("5", "#81,#1")) == "mm");
 }
 
+TEST_CASE("STEP: contexts of three dimensions go before others") {
+  const auto flat = [](std::string text) { return text.replace(text.find("(3)"), 3, "(2)"); };
+  CHECK(found(kMilli + si("2", "$") + flat(context("5", "#2")) + context("6", "#1")) == "mm");
+  CHECK(found(kMilli + si("2", "$") + context("5", "#2") + flat(context("6", "#1"))) == "m");
+  CHECK(found(flat(context("5", "#2")) + context("6", "#1") + si("2", "$") + kMilli) == "mm");
+  CHECK(found(kMilli + si("2", "$") + flat(context("5", "#2")) + flat(context("6", "#1"))) == "m");
+}
+
 TEST_CASE("STEP: metres with every prefix that has a name here, inches and feet by any of their names") {
   for (const auto& [prefix, unit] :
        {std::pair{"$", "m"}, {".CENTI.", "cm"}, {".MILLI.", "mm"}, {".MICRO.", "um"}, {".NANO.", "nm"}, {".KILO.", ""}, {".DECI.", ""}}) {
