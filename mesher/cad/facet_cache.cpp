@@ -46,10 +46,16 @@ void for_each_block(const Descriptor& file, uint64_t size, F&& f) {
   }
 }
 
-std::array<uint8_t, kHash> hash_of(const Descriptor& file, uint64_t size) {
+struct EntryHashes {
+  std::array<uint8_t, kHash> content, with_key;  // the second stands behind the content, so an entry under another name counts as damaged, too
+};
+
+EntryHashes hashes_of(const Descriptor& file, uint64_t size, const std::string& key) {
   ContentHash hash;
   for_each_block(file, size, [&](std::span<const uint8_t> block) { hash.add(block); });
-  return hash.digest();
+  const auto content = hash.digest();
+  hash.add({reinterpret_cast<const uint8_t*>(key.data()), key.size()});
+  return {content, hash.digest()};
 }
 
 // What a killed run has left unfinished: nobody holds its lock, which runs take when they have created the file.
@@ -82,8 +88,10 @@ std::optional<FacetCache::Entry> FacetCache::find(const std::string& key) const 
   if (!entry.file || ::fstat(entry.file.get(), &s) != 0 || !S_ISREG(s.st_mode) || s.st_size < static_cast<off_t>(kHash)) return std::nullopt;
   entry.size = static_cast<uint64_t>(s.st_size) - kHash;
   std::array<uint8_t, kHash> behind{};
-  if (entry.file.read(entry.size, behind) < kHash || hash_of(entry.file, entry.size) != behind) return std::nullopt;
-  entry.hash = hex(behind);
+  if (entry.file.read(entry.size, behind) < kHash) return std::nullopt;
+  const EntryHashes hashes = hashes_of(entry.file, entry.size, key);
+  if (hashes.with_key != behind) return std::nullopt;
+  entry.hash = hex(hashes.content);
   ::utimensat(AT_FDCWD, path_of(key).c_str(), nullptr, 0);  // those that were not used for longest go first
   return entry;
 }
@@ -115,9 +123,9 @@ FacetCache::Entry FacetCache::add_in(const fs::path& folder, const std::string& 
     struct stat s;
     if (::fstat(entry.file.get(), &s) != 0) fail_at(name, "can't read", errno);
     entry.size = static_cast<uint64_t>(s.st_size);
-    const auto hash = hash_of(entry.file, entry.size);
-    entry.hash = hex(hash);
-    if (entry.file.write(entry.size, hash) < hash.size()) fail_at(name, "can't write", errno);
+    const EntryHashes hashes = hashes_of(entry.file, entry.size, key);
+    entry.hash = hex(hashes.content);
+    if (entry.file.write(entry.size, hashes.with_key) < kHash) fail_at(name, "can't write", errno);
     if (keeps && ::rename(name.c_str(), path_of(key).c_str()) != 0) fail_at(path_of(key), "can't create", errno);
   } catch (...) {
     ::unlink(name.c_str());

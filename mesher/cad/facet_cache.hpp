@@ -1,5 +1,6 @@
 // What the CAD kernel made of files, for the next run. Any number of processes may use the folder at the same time: an entry takes its name
-// when it is complete, and whoever makes it makes the same bytes. Each ends with its hash, so a damaged one counts as missing.
+// when it is complete, and whoever makes it makes the same bytes. Each ends with a hash of its bytes and its key, so a damaged one, or one under
+// another name, counts as missing.
 #pragma once
 #include <filesystem>
 #include <functional>

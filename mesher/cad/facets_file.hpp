@@ -13,7 +13,7 @@
 namespace teracell::mesher {
 
 // It is in the keys of the cache, too. Its digit is raised when the layout changes, and when other facets are made of the same file.
-inline constexpr std::string_view kFacetsMagic = "teracad2";
+inline constexpr std::string_view kFacetsMagic = "teracad3";
 // Below it the kernel takes two points for one: no deflection is smaller.
 inline constexpr double kLeastDeflection = 1e-7;
 

@@ -35,6 +35,28 @@ std::string unit_of_step(Input& input) {
   return stated(unit);
 }
 
+// The first and the last bytes of a file, of which the kernel would not say what is wrong with them.
+class Ends {
+ public:
+  void feed(std::string_view some) {
+    first_ += some.substr(0, kByteOrderMark.size() - std::min(first_.size(), kByteOrderMark.size()));
+    last_ += some.substr(some.size() - std::min(some.size(), kMost));
+    if (last_.size() > kMost) last_.erase(0, last_.size() - kMost);
+  }
+  void check(const std::string& name) const {
+    if (first_ == kByteOrderMark)
+      throw InputError(fmt::format("{}: expected {} at the beginning, found a byte order mark before it, which STEP files don't have: take it away",
+                                   name, kFirstWord));
+    if (last_.find(kLastWord) == std::string::npos)
+      throw InputError(fmt::format("{}: expected {} at the end, found none: the file is cut short", name, kLastWord));
+  }
+
+ private:
+  static constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf", kLastWord = "END-ISO-10303-21";
+  static constexpr size_t kMost = 4096;
+  std::string first_, last_;
+};
+
 // A file, its tree, and the way from the kernel's unit to the one that is asked for.
 class StepFile {
  public:
@@ -42,7 +64,9 @@ class StepFile {
     if (!input.regular())
       throw InputError(fmt::format("{}: expected a file, as the CAD kernel reads a STEP file more than once; found a pipe or a device", name_));
     StepUnit unit;
-    model_.emplace(input, options.budget, cad_, [&](std::string_view some) { unit.feed(some); });
+    Ends ends;
+    model_.emplace(input, options.budget, cad_, [&](std::string_view some) { unit.feed(some), ends.feed(some); });
+    ends.check(name_);
     file.format = "STEP";
     file.unit = stated(unit);
     if (unit.found().empty())

@@ -35,13 +35,12 @@ def main():
     for file in o.files:
         folder = tempfile.mkdtemp()
         grid, report, cache = (os.path.join(folder, name) for name in ("g.tcell", "r.json", "cache"))
-        mesh = [TERACELL, "mesh", file, "--cells", str(o.cells), "-o", grid, "--report", report]
+        mesh = [TERACELL, "mesh", file, "--units", "mm", "--cells", str(o.cells), "-o", grid, "--report", report]
         kernel, whole, cast = [], [], []
         subprocess.run(mesh, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         for _ in range(o.rounds):
-            found = json.load(open(report))
-            cad = found["inputs"][0]["cad"]
-            kernel.append(seconds_of([peer("step_peer"), file, str(cad["deflection"] / found["inputs"][0].get("factor", 1)), str(cad["angle"])]))
+            cad = json.load(open(report))["inputs"][0]["cad"]
+            kernel.append(seconds_of([peer("step_peer"), file, str(cad["deflection"]), str(cad["angle"])]))
             shutil.rmtree(cache, ignore_errors=True)
             whole.append(seconds_of(mesh, env=dict(os.environ, XDG_CACHE_HOME=cache)))
             cast.append(sum(p["seconds"] for p in json.load(open(report))["phases"] if p["name"] not in ("read", "close", "check")))

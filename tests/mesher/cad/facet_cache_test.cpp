@@ -75,6 +75,16 @@ TEST_CASE("An entry is found under its key, by this cache and by others of the f
   CHECK_FALSE(other.find("a"));
 }
 
+TEST_CASE("An entry under another name counts as missing", "[cad]") {
+  const CacheFolder folder;
+  const FacetCache cache = folder.cache();
+  cache.add_text("a", "facets");
+  cache.add_text("b", "others");
+  fs::copy_file(folder.entry("a"), folder.entry("b"), fs::copy_options::overwrite_existing);
+  CHECK_FALSE(cache.find("b"));
+  CHECK(cache.find_text("a") == "facets");
+}
+
 TEST_CASE("An entry that is open outlives its removal", "[cad]") {
   const CacheFolder folder;
   const FacetCache cache = folder.cache();

@@ -35,9 +35,14 @@ void run(const SceneArguments& o) {
   if (!o.force && std::filesystem::exists(o.output, ignored))
     throw UsageError(
         fmt::format("{}: expected a name that no file has, since scenes are edited by hand; found a file: --force replaces it", o.output));
+  const std::atomic<bool>& interrupted = watch_interrupts();
+  mesher::CadOptions cad = o.cad.options();
+  cad.waiting = [&](double) {
+    if (interrupted) throw Interrupted(fmt::format("{}: interrupted: nothing was written", o.output));
+  };
   OutputFile file(o.output);
   const mesher::SceneText scene = mesher::scene_text({o.files.begin(), o.files.end()}, std::filesystem::path(o.output).parent_path(), o.cells, o.step,
-                                                     o.units, mesher::modest_budget(), o.cad.options());
+                                                     o.units, mesher::modest_budget(), cad);
   file.append({reinterpret_cast<const uint8_t*>(scene.text.data()), scene.text.size()});
   file.commit();
   constexpr size_t kShown = 8;
