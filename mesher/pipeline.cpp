@@ -146,7 +146,8 @@ class MeshRun {
     std::optional<SurfacesFound> found;
     if (run_.counts) {
       std::vector<SurfaceCounts> of_bodies = facets.counts();
-      found.emplace(SurfacesFound{run_.scene, std::move(run_.bodies), std::move(of_bodies), run_.plan.rays, options_.thin, run_.plan.all_patches});
+      found.emplace(SurfacesFound{run_.scene, std::move(run_.bodies), std::move(of_bodies), run_.plan.rays, options_.thin, run_.plan.all_patches,
+                                  run_.plan.planes});
     }
     run_.end_phase("cast");
     run_.progress("write", 0);

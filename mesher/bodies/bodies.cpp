@@ -9,6 +9,7 @@
 #include "mesher/bodies/part_counts.hpp"
 #include "mesher/closing/extrude.hpp"
 #include "mesher/closing/lengths.hpp"
+#include "mesher/planes/make_planes.hpp"
 #include "mesher/scene/placement.hpp"
 #include "store/base/error.hpp"
 
@@ -26,7 +27,7 @@ constexpr uint64_t kMostTogether = uint64_t{8} << 20;
 // them, where their matrices put them, the box and the areas of their projections.
 class Study {
  public:
-  Study() { begin(); }
+  explicit Study(const Vec3& flat_slack) : flat_slack_(flat_slack) { begin(); }
   void take(const Facet& facet, const SceneBody& body, bool moves, uint32_t patch) {
     const std::array<VertexHash, 3> hashes = vertex_hashes(facet);
     boundary_.add(hashes);
@@ -37,7 +38,9 @@ class Study {
       extend(lo_, hi_, q);
     }
     if (patch >= areas_.size()) areas_.resize(patch + 1);
-    areas_[patch] += area(p);
+    const double size = area(p);
+    areas_[patch] += size;
+    if (flat_.wanted()) flat_.take(p, size);
     for (int w = 0; w < 3; ++w) {
       const int u = (w + 1) % 3, v = (w + 2) % 3;
       area_[w] += std::abs((p[1][u] - p[0][u]) * (p[2][v] - p[0][v]) - (p[1][v] - p[0][v]) * (p[2][u] - p[0][u])) / 2;
@@ -45,7 +48,7 @@ class Study {
   }
   // REQUIRES: all facets of the body were taken.
   void end_body() {
-    bodies_.push_back({lo_, hi_, boundary_, opposites_.take_answer(), std::exchange(areas_, {})});
+    bodies_.push_back({lo_, hi_, boundary_, opposites_.take_answer(), std::exchange(areas_, {}), std::move(flat_).found()});
     begin();
   }
   void hand_over(Bodies& out) {
@@ -57,6 +60,7 @@ class Study {
       body.boundary = bodies_[b].boundary;
       body.opposites = bodies_[b].opposites;
       body.areas = std::move(bodies_[b].areas);
+      body.flat = std::move(bodies_[b].flat);
       for (int d = 0; d < 3; ++d) {
         out.lo[d] = std::min(out.lo[d], body.lo[d]);
         out.hi[d] = std::max(out.hi[d], body.hi[d]);
@@ -70,17 +74,31 @@ class Study {
     BoundaryProof boundary;
     bool opposites;
     std::vector<double> areas;
+    FlatFaces flat;
   };
   void begin() {
     lo_.fill(HUGE_VAL), hi_.fill(-HUGE_VAL);
     boundary_ = {};
+    flat_ = FlatFaceSearch(flat_slack_);
   }
   Vec3 lo_, hi_, area_{};
   std::vector<double> areas_;  // of patches
   BoundaryProof boundary_;
   OppositeSample opposites_;
+  const Vec3 flat_slack_;
+  FlatFaceSearch flat_;
   std::vector<Found> bodies_;
 };
+
+// Before the bodies' box is known, only facets without any extent across an axis are flat.
+Vec3 known_flat_slack(const Scene& scene) {
+  Vec3 out = {-1, -1, -1};
+  for (int d = 0; d < 3; ++d) {
+    const SceneAxis& axis = scene.axis[d];
+    if (axis.made && axis.made->snap != AutoPlanes::Snap::kNone) out[d] = axis.min ? face_slack({*axis.min, *axis.max}) : 0;
+  }
+  return out;
+}
 
 // A pipe can't be read a second time, so its facets must stay.
 bool together(const Scene& scene, const Budget& budget) {
@@ -249,7 +267,7 @@ class BodyReader {
   std::vector<size_t> once_;  // bodies whose mesh was no regular file
   Bodies& out_;
   // Shared, because jobs may outlive the reading when it throws.
-  const std::shared_ptr<Study> study_ = std::make_shared<Study>();
+  const std::shared_ptr<Study> study_ = std::make_shared<Study>(known_flat_slack(scene_));
   const std::shared_ptr<SurfaceCounter> counter_ = std::make_shared<SurfaceCounter>();
   const std::shared_ptr<std::vector<SurfaceCounts>> counts_;
   Batch batch_;
@@ -278,6 +296,24 @@ Bodies read_bodies(const Scene& scene, const ExactSurfaces& exact, int threads, 
   out.helper = std::make_unique<Background>(threads > 1);
   BodyReader(scene, exact, budget, count, out).read(progress);
   return out;
+}
+
+void complete_flat_faces(const Scene& scene, const Budget& budget, Bodies& bodies) {
+  Vec3 slack = known_flat_slack(scene);
+  for (int d = 0; d < 3; ++d)
+    if (slack[d] >= 0) slack[d] = face_slack(domain_of(*scene.axis[d].made, scene.axis[d], bodies.lo[d], bodies.hi[d]));
+  for (size_t b = 0; b < scene.bodies.size(); ++b) {
+    BodyFacets& found = bodies.bodies[b];
+    bool complete = true;
+    for (int d = 0; d < 3; ++d) complete &= slack[d] < 0 || found.flat.least_missed[d] > slack[d];
+    if (complete) continue;
+    FlatFaceSearch search(slack);
+    for_each_facet(scene.bodies[b], found, bodies, budget, [&](const Facet& facet) {
+      const Facet placed = moved(facet, scene.bodies[b]);
+      search.take(placed.vertex, area(placed));
+    });
+    found.flat = std::move(search).found();
+  }
 }
 
 void close_bodies(const Scene& scene, const Grid& grid, const Budget& budget, Bodies& bodies, const std::function<void(double)>& progress) {

@@ -7,6 +7,7 @@
 #include "mesher/closing/closing.hpp"
 #include "mesher/closing/surface_counts.hpp"
 #include "mesher/compose/compose.hpp"
+#include "mesher/planes/flat_faces.hpp"
 #include "mesher/surface/read_facets.hpp"
 #include "mesher/tiles/facet_store.hpp"
 #include "store/base/background.hpp"
@@ -28,6 +29,7 @@ struct BodyFacets {
   bool opposites = false;  // two facets of a sample have the same vertices and opposite orientations
   ClosedBody closed;       // by close_bodies()
   std::shared_ptr<const CadOptions> cad;  // of exact surfaces: how they became facets
+  FlatFaces flat;                         // where planes are made
 };
 
 struct Bodies {
@@ -53,6 +55,10 @@ struct Bodies {
 // The box is that of exact surfaces where they have one.
 Bodies read_bodies(const Scene& scene, const ExactSurfaces& exact, int threads, const Budget& budget, bool count,
                    const std::function<void(double)>& progress);
+
+// The flat faces of all bodies, for axes whose planes are made, as far as facets that are flat but for rounding were told while the bodies were
+// read, when the extent of all was not known yet: they are looked at once more where that made a difference.
+void complete_flat_faces(const Scene& scene, const Budget& budget, Bodies& bodies);
 
 // Closes every solid (closing.hpp). The facets that this adds are appended to those in memory, except for walls.
 void close_bodies(const Scene& scene, const Grid& grid, const Budget& budget, Bodies& bodies, const std::function<void(double)>& progress);

@@ -28,7 +28,7 @@ bool follows_from_box(const Scene& scene) {
 // Of bodies whose files have facets.
 void add_box_of_facets(const SceneBody& body, const Scene& scene, const Budget& budget, KeptTrees& kept, std::optional<std::array<Vec3, 2>>& box) {
   std::error_code ignored;
-  if (!std::filesystem::is_regular_file(body.mesh, ignored))
+  if (std::filesystem::is_other(body.mesh, ignored))
     throw InputError(
         fmt::format("{}: expected a file: its box decides how fine the facets of other bodies are, so it is read twice: give the grid a domain, or "
                     "\"deflection\" as a length",
@@ -72,7 +72,10 @@ ExactSurfaces plan_exact_surfaces(const Scene& scene, const CadOptions& cad, con
     if (follows_from_box(scene))
       for (size_t b = 0; b < scene.bodies.size(); ++b)
         if (!exact[b]) add_box_of_facets(scene.bodies[b], scene, budget, kept, all);
-    const Grid grid = resolve_grid(scene, all ? (*all)[0] : Vec3{}, all ? (*all)[1] : Vec3{});
+    std::array<std::vector<double>, 3> finest;  // of axes whose planes are made later
+    for (int a = 0; a < 3; ++a)
+      if (scene.axis[a].made) finest[a] = {0, scene.axis[a].made->finest};
+    const Grid grid = resolve_grid(scene, all ? (*all)[0] : Vec3{}, all ? (*all)[1] : Vec3{}, finest);
     cell = HUGE_VAL;
     for (const Axis& axis : grid.axis) cell = std::min(*cell, axis.shortest_cell());
     return *cell;

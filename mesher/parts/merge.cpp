@@ -164,7 +164,7 @@ MeshReport merge(const std::vector<std::filesystem::path>& paths, const std::fil
     done += part->bytes();
   }
 
-  const Plan plan{writer.meta(), surfaces->rays, make_labels(surfaces->scene), surfaces->all_patches};
+  const Plan plan{writer.meta(), surfaces->rays, make_labels(surfaces->scene), surfaces->planes, surfaces->all_patches};
   MeshReport out;
   out.report = make_report(surfaces->scene, std::move(surfaces->bodies), surfaces->counts, plan, totals, surfaces->thin);
   out.json = report_json(out.report, surfaces->scene);

@@ -117,6 +117,8 @@ std::vector<std::string> all_warnings(const Scene& scene, const Bodies& bodies, 
     for (const std::string& words : surface_warnings(scene, body, bodies.bodies[b], plan.meta.grid, counts[b]))
       warn(fmt::format("body '{}' {}", body.name, words));
   }
+  if (plan.planes)
+    for (const std::string& words : plan.planes->warnings) warn(words);
   for (const std::string& words : cell_warnings(scene, bodies, plan, totals)) warn(words);
   if (!plan.all_patches && plan.meta.patches.size() == 6)
     warn(fmt::format("no patch of the surfaces is known: the bodies are more than a file has room for, {} patches or {} bytes of names", kMostPatches,
@@ -182,6 +184,7 @@ Report make_report(const Scene& scene, Bodies&& bodies, const std::vector<Surfac
     out.bodies.push_back(body_report(scene, b, std::move(found), counts[b], plan, totals, count_thin));
   }
   bodies.bodies = {};
+  out.planes = plan.planes;
   out.overlaps = overlaps_report(scene, plan.meta.grid, totals.overlaps);
   if (count_thin) out.lost_gaps = gap_reports(scene, plan.meta.grid, totals.tallies);
   return out;

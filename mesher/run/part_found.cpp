@@ -70,6 +70,15 @@ void put_cad(Way& way, File& file) {
   if constexpr (!std::is_const_v<File>) file.cad = std::make_shared<const CadFacts>(std::move(facts));
 }
 
+template <class Way, class Planes>
+void put_planes(Way& way, Planes& planes) {
+  bool there = planes.has_value();
+  way(there);
+  if (!there) return;
+  if constexpr (!std::is_const_v<Planes>) planes.emplace();
+  way(planes->breaches), way(planes->left_out), way(planes->warnings);
+}
+
 // The fields of `T`, const or not.
 template <class Way, class T>
 void fields(Way& way, T& item) {
@@ -91,6 +100,8 @@ void fields(Way& way, T& item) {
     all(item.edges);
   } else if constexpr (std::is_same_v<Item, SurfaceCounts>) {
     all(item.degenerate, item.duplicates, item.opposite, item.shells);
+  } else if constexpr (std::is_same_v<Item, PlaneBreach>) {
+    all(item.axis, item.rule, item.at, item.found, item.expected);
   } else if constexpr (std::is_same_v<Item, CadPart>) {
     all(item.path, item.instances, item.shape.faces, item.shape.faces_without_facets, item.shape.closed, item.shape.facet_volume,
         item.shape.facet_area);
@@ -121,6 +132,7 @@ Bytes encode_found(const CastTotals& totals, const SurfacesFound* surfaces) {
   put(surfaces->counts);
   put(surfaces->rays.axis), put(surfaces->rays.asked_for), fields(put, surfaces->rays.crossings);
   put(surfaces->thin), put(surfaces->all_patches);
+  put_planes(put, surfaces->planes);
   return out;
 }
 
@@ -142,6 +154,7 @@ PartFound decode_found(std::span<const uint8_t> bytes, const std::string& name) 
     take(surfaces.counts);
     take(surfaces.rays.axis), take(surfaces.rays.asked_for), fields(take, surfaces.rays.crossings);
     take(surfaces.thin), take(surfaces.all_patches);
+    put_planes(take, surfaces.planes);
   }
   in.expect_end();
   return out;
@@ -156,6 +169,9 @@ void expect_fit(const CastTotals& totals, const SurfacesFound& surfaces, const M
   expect(surfaces.rays.axis == meta.ray_axis, "its rays run along another axis");
   for (const BodyFacets& body : surfaces.bodies.bodies)
     for (const FillChoice& fill : body.closed.fill) expect(static_cast<size_t>(fill.rule) < kFillNames.size(), "there is no such fill rule");
+  if (surfaces.planes)
+    for (const PlaneBreach& b : surfaces.planes->breaches)
+      expect(b.axis >= 0 && b.axis < 3 && static_cast<size_t>(b.rule) < kPlaneRuleNames.size(), "its planes break no rule that there is");
   for (const auto& [key, tally] : totals.tallies.all()) {
     using What = TallyKey::What;
     expect(key.what <= What::kLowerSide && key.axis < 3, "it counts something else");

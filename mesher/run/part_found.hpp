@@ -16,6 +16,7 @@ struct SurfacesFound {
   AxisChoice rays;
   bool thin = false;  // what is lost was counted for all solids
   bool all_patches = true;  // Plan::all_patches
+  std::optional<PlanesReport> planes;  // Plan::planes
 };
 
 struct PartFound {

@@ -4,6 +4,7 @@
 
 #include "mesher/boundary/fractions.hpp"
 #include "mesher/boundary/sub_axis.hpp"
+#include "mesher/planes/make_planes.hpp"
 #include "store/channels/fractions.hpp"
 #include "store/channels/links.hpp"
 
@@ -50,7 +51,14 @@ Plan make_plan(const Scene& scene, const Bodies& bodies, std::optional<int> axis
   Plan plan;
   Metadata& meta = plan.meta;
   meta.units = scene.units;
-  meta.grid = resolve_grid(scene, bodies.lo, bodies.hi);
+  MadePlanes made;
+  if (makes_planes(scene)) {
+    std::vector<ShapeOfBody> shapes;
+    for (const BodyFacets& body : bodies.bodies) shapes.push_back({body.lo, body.hi, &body.flat});
+    made = make_planes(scene, shapes, bodies.lo, bodies.hi);
+    plan.planes = std::move(made.report);
+  }
+  meta.grid = resolve_grid(scene, bodies.lo, bodies.hi, made.planes);
   plan.rays = choose_axis(meta.grid, bodies.area, axis, fractions.value_or(Subdivision{1, 1, 1}));
   const int w = plan.rays.axis;
   meta.ray_axis = w;

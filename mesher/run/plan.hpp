@@ -19,6 +19,7 @@ struct Plan {
   Metadata meta;
   AxisChoice rays;
   Labels labels;
+  std::optional<PlanesReport> planes;  // when they were made
   bool all_patches = true;  // whether the file has room for all patches
 };
 

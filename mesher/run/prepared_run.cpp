@@ -1,15 +1,11 @@
 #include "mesher/run/prepared_run.hpp"
 
-#include <malloc.h>
-
-#include <thread>
-
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "mesher/cad/idle_kernels.hpp"
 #include "mesher/closing/trust.hpp"
 #include "mesher/engines/engines.hpp"
+#include "mesher/run/read_scene.hpp"
 #include "mesher/scene/placement.hpp"
 #include "mesher/thin/marker.hpp"
 #include "store/base/error.hpp"
@@ -22,13 +18,6 @@ namespace {
 
 std::filesystem::path folder_of(const std::filesystem::path& file) { return file.has_parent_path() ? file.parent_path() : "."; }
 
-// Gives freed memory back to the system, which the allocator would keep: that of a large scene's JSON, and of facets that were dropped.
-void give_back_memory() {
-#ifdef __GLIBC__
-  ::malloc_trim(0);
-#endif
-}
-
 }  // namespace
 
 PreparedRun::PreparedRun(const Scene& of, const std::filesystem::path& output, const MeshOptions& with, bool count, const Progress& progress,
@@ -36,21 +25,13 @@ PreparedRun::PreparedRun(const Scene& of, const std::filesystem::path& output, c
     : scene(of),
       options(with),
       counts(count),
-      threads(with.threads > 0 ? with.threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()))),
+      threads(threads_of(with)),
       budget{with.memory, with.tmp.empty() ? folder_of(output) : with.tmp, searches_scene(with.engine)},
       output_(output.string()),
       progress_(progress),
       stop_(stop) {
   give_back_memory();
-  CadOptions cad = options.cad;
-  cad.threads = threads;
-  if (cad.cache.empty() && !options.tmp.empty()) cad.cache = options.tmp / "teracell-cad";
-  cad.waiting = [&](double share) { this->progress("facets", share); };
-  if (!cad.kernels) cad.kernels = std::make_shared<IdleKernels>();
-  bodies = read_bodies(scene, plan_exact_surfaces(scene, cad, budget), options.count_aside ? std::max(2, threads) : threads, budget, counts,
-                       [&](double share) { this->progress("read", share); });
-  cad.kernels->end();
-  give_back_memory();
+  bodies = read_scene(scene, options, threads, budget, counts, [this](const char* phase, double share) { this->progress(phase, share); });
   end_phase("read");
   plan = make_plan(scene, bodies, options.axis, options.chunk_rays, options.fractions, options.links);
   close_bodies(scene, plan.meta.grid, budget, bodies, [&](double share) { this->progress("close", share); });

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 #include <fstream>
+#include <set>
 #include <unordered_map>
 
 #include <fmt/format.h>
@@ -80,16 +81,19 @@ std::vector<double> read_planes(const fs::path& path) {
 constexpr std::pair<const char*, std::optional<double> SceneAxis::*> kAxisNumbers[] = {
     {"min", &SceneAxis::min}, {"max", &SceneAxis::max}, {"step", &SceneAxis::step}};
 
-void refuse_cells_and_step(const JsonNode& node) {
-  if (node.find("cells") && node.find("step")) throw UsageError(fmt::format("{}: cells and step exclude each other: give one of them", node.where()));
+void refuse_ways_together(const JsonNode& node) {
+  std::vector<std::string_view> ways;
+  for (const char* key : {"cells", "step", "auto"})
+    if (node.find(key)) ways.emplace_back(key);
+  if (ways.size() > 1) throw UsageError(fmt::format("{}: {} exclude each other: give one of them", node.where(), fmt::join(ways, " and ")));
 }
 
 void parse_axis(const JsonNode& node, const fs::path& folder, SceneAxis& axis) {
-  node.check_keys({"planes", "planes_file", "min", "max", "cells", "step"});
+  node.check_keys({"planes", "planes_file", "min", "max", "cells", "step", "auto"});
   const std::optional<JsonNode> planes = node.find("planes"), file = node.find("planes_file");
   if (planes || file) {
     std::vector<std::string> others;
-    for (const char* key : {"min", "max", "cells", "step", planes ? "planes_file" : "planes"})
+    for (const char* key : {"min", "max", "cells", "step", "auto", planes ? "planes_file" : "planes"})
       if (node.find(key)) others.push_back(fmt::format("\"{}\"", key));
     if (!others.empty())
       throw UsageError(fmt::format("{}: \"{}\" says where all cells of an axis are: take away {}", node.where(), planes ? "planes" : "planes_file",
@@ -104,16 +108,17 @@ void parse_axis(const JsonNode& node, const fs::path& folder, SceneAxis& axis) {
     check_planes(axis.planes, planes->where());
     return;
   }
-  refuse_cells_and_step(node);
+  refuse_ways_together(node);
   if (const auto n = node.find("min")) axis.min = n->number();
   if (const auto n = node.find("max")) axis.max = n->number();
-  if (const auto n = node.find("cells")) axis.cells = n->integer(1, Axis::kMaxCells), axis.step.reset();
-  if (const auto n = node.find("step")) axis.step = n->positive(), axis.cells.reset();
+  if (const auto n = node.find("cells")) axis.cells = n->integer(1, Axis::kMaxCells), axis.step.reset(), axis.made.reset();
+  if (const auto n = node.find("step")) axis.step = n->positive(), axis.cells.reset(), axis.made.reset();
+  if (const auto n = node.find("auto")) axis.made = parse_auto_of_axis(*n), axis.cells.reset(), axis.step.reset();
 }
 
 void parse_grid(const JsonNode& grid, const fs::path& folder, Scene& scene) {
-  grid.check_keys({"min", "max", "cells", "step", "pad", "x", "y", "z"});
-  refuse_cells_and_step(grid);
+  grid.check_keys({"min", "max", "cells", "step", "auto", "pad", "x", "y", "z"});
+  refuse_ways_together(grid);
   if (const auto pad = grid.find("pad")) scene.pad = pad->integer(0, kMaxPad);
   for (const auto& [key, member] : kAxisNumbers) {
     const auto node = grid.find(key);
@@ -128,6 +133,11 @@ void parse_grid(const JsonNode& grid, const fs::path& folder, Scene& scene) {
       for (int a = 0; a < 3; ++a) scene.axis[a].cells = cells->items(3)[a].integer(1, Axis::kMaxCells);
   }
 
+  if (const auto made = grid.find("auto")) {
+    const std::array<AutoPlanes, 3> of_axis = parse_auto_of_grid(*made);
+    for (int a = 0; a < 3; ++a) scene.axis[a].made = of_axis[a];
+  }
+
   bool longest_used = false;
   for (int a = 0; a < 3; ++a) {
     SceneAxis& axis = scene.axis[a];
@@ -137,7 +147,7 @@ void parse_grid(const JsonNode& grid, const fs::path& folder, Scene& scene) {
     if (axis.min.has_value() != axis.max.has_value())
       throw UsageError(fmt::format("{}: expected min and max or neither, found only {}", where, axis.min ? "min" : "max"));
     if (axis.min && !(*axis.min < *axis.max)) throw UsageError(fmt::format("{}: expected min < max, found {} and {}", where, *axis.min, *axis.max));
-    longest_used |= axis.planes.empty() && !axis.cells && !axis.step;
+    longest_used |= axis.planes.empty() && !axis.cells && !axis.step && !axis.made;
   }
   if (!longest_used) scene.longest_cells.reset();
 }
@@ -319,6 +329,21 @@ void name_bodies(std::vector<SceneBody>& bodies) {
     if (body.name.empty()) body.name = names.numbered(mesh_stem(body.mesh_text));
 }
 
+// What rules for planes say of bodies and materials must be about some of the scene.
+void check_names(const Scene& scene, const MaterialIds& ids) {
+  std::set<std::string_view> bodies;
+  for (const SceneBody& body : scene.bodies) bodies.insert(body.name);
+  for (int a = 0; a < 3; ++a) {
+    if (!scene.axis[a].made) continue;
+    const auto check = [&](const char* key, const std::string& name) {
+      if (!bodies.contains(name) && !ids.contains(name))
+        throw UsageError(fmt::format("grid: \"{}\" of axis {}: expected the name of a body or a material, found \"{}\"", key, axis_name(a), name));
+    };
+    for (const auto& [name, within] : scene.axis[a].made->resolution) check("resolution", name);
+    for (const std::string& name : scene.axis[a].made->metals) check("metals", name);
+  }
+}
+
 // ---- writing
 
 template <typename T, typename Member>
@@ -340,6 +365,8 @@ Json normalised_grid(const Scene& scene) {
   put_axes<int64_t>(grid, scene, "cells", &SceneAxis::cells, counts_may_be_arrays);
   for (int a = 0; a < 3; ++a)
     if (!scene.axis[a].planes.empty()) grid[axis_name(a)]["planes"] = scene.axis[a].planes;
+  for (int a = 0; a < 3; ++a)
+    if (scene.axis[a].made) grid[axis_name(a)]["auto"] = normalised(*scene.axis[a].made);
   grid["pad"] = scene.pad;
   return grid;
 }
@@ -432,6 +459,7 @@ Scene parse_scene(const std::string& json_text, const fs::path& folder) try {
   scene.bodies.reserve(items.size());
   for (const JsonNode& body : items) scene.bodies.push_back(parse_body(body, ids, folder));
   name_bodies(scene.bodies);
+  check_names(scene, ids);
   return scene;
 } catch (const FormatError& e) {
   throw UsageError(e.what());

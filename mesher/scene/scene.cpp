@@ -70,7 +70,7 @@ struct Cubic {
   bool longest(double a_step, double an_extent) const { return a_step == step && an_extent == extent; }
 };
 
-bool is_cubic(const SceneAxis& axis) { return axis.planes.empty() && !axis.cells && !axis.step; }
+bool is_cubic(const SceneAxis& axis) { return axis.planes.empty() && !axis.cells && !axis.step && !axis.made; }
 
 Cubic cubic_cells(const Scene& scene, const Vec3& lo, const Vec3& hi) {
   Cubic best;
@@ -84,8 +84,9 @@ Cubic cubic_cells(const Scene& scene, const Vec3& lo, const Vec3& hi) {
   return best;
 }
 
-Axis resolve_axis(const Scene& scene, int a, double lo, double hi, const Cubic& cubic) {
+Axis resolve_axis(const Scene& scene, int a, double lo, double hi, const Cubic& cubic, const std::vector<double>& made) {
   const SceneAxis& axis = scene.axis[a];
+  if (axis.made) return Axis::graded(made, scene.sample[a]);
   if (!axis.planes.empty()) return Axis::graded(axis.planes, scene.sample[a]);
   if (!axis.cells && !axis.step && !scene.longest_cells) throw UsageError("neither a number of cells nor a step is given", Remedy::kCellsOrStep);
 
@@ -182,6 +183,8 @@ void override_grid(Scene& scene, const GridOptions& options) {
     scene.pad = *options.pad;
   }
   if (!options.longest_cells && !options.cells && !options.step) return;
+  if (std::ranges::any_of(scene.axis, [](const SceneAxis& axis) { return axis.made.has_value(); }))
+    throw OptionError(fmt::format("{}: the scene has its planes made (\"auto\"), which excludes cells and step", options.step ? "step" : "cells"));
 
   scene.longest_cells = options.longest_cells;
   int graded = 0;
@@ -202,13 +205,13 @@ void override_grid(Scene& scene, const GridOptions& options) {
     throw OptionError(fmt::format("{}: the scene gives planes for all three axes, so there is nothing to override", options.step ? "step" : "cells"));
 }
 
-Grid resolve_grid(const Scene& scene, const Vec3& lo, const Vec3& hi) {
+Grid resolve_grid(const Scene& scene, const Vec3& lo, const Vec3& hi, const std::array<std::vector<double>, 3>& made) {
   const bool cubic_wanted = scene.longest_cells && std::any_of(scene.axis.begin(), scene.axis.end(), is_cubic);
   const Cubic cubic = cubic_wanted ? cubic_cells(scene, lo, hi) : Cubic{};
   Grid grid;
   for (int a = 0; a < 3; ++a) {
     try {
-      grid.axis[a] = resolve_axis(scene, a, lo[a], hi[a], cubic);
+      grid.axis[a] = resolve_axis(scene, a, lo[a], hi[a], cubic, made[a]);
     } catch (const UsageError& e) {
       throw UsageError(fmt::format("axis {} of the grid: {}", axis_name(a), e.what()), e.remedy);
     }

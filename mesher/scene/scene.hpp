@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "mesher/scene/auto_planes.hpp"
 #include "mesher/surface/matrix.hpp"
 #include "store/grid/report.hpp"
 
@@ -70,8 +71,9 @@ struct SceneAxis {
   std::optional<int64_t> cells;          // not with step
   std::vector<double> planes;            // not empty: the axis is graded, and the members above are not used
   std::filesystem::path planes_file;     // from which the planes were read: no output may overwrite it
+  std::optional<AutoPlanes> made;        // how its planes are made; then there are no cells, step and planes
   friend bool operator==(const SceneAxis& a, const SceneAxis& b) {  // the same cells
-    return a.min == b.min && a.max == b.max && a.step == b.step && a.cells == b.cells && a.planes == b.planes;
+    return a.min == b.min && a.max == b.max && a.step == b.step && a.cells == b.cells && a.planes == b.planes && a.made == b.made;
   }
 };
 
@@ -141,6 +143,7 @@ std::string normalised(const Scene& scene, size_t most = ~size_t{0});
 // exactly the same length, gets N itself and not a quotient. With cubic cells and a domain that is given for some axes only,
 // the step of each axis follows from its own column of the table, and the widest of these steps is used for all. An axis
 // for which neither cells nor step is given is a UsageError.
-Grid resolve_grid(const Scene& scene, const Vec3& lo, const Vec3& hi);
+// `made`: planes of the axes that the scene has made (SceneAxis::made).
+Grid resolve_grid(const Scene& scene, const Vec3& lo, const Vec3& hi, const std::array<std::vector<double>, 3>& made = {});
 
 }  // namespace teracell::mesher

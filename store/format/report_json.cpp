@@ -209,6 +209,13 @@ void read_rest(const JsonNode& j, Report& report) {
     report.axis_asked_for = text_in(*rays, "why") == kAskedFor;
     report.crossings_expected = rays->require("crossings_expected").numbers<3>();
   }
+  if (const auto planes = find_value(j, "planes")) {
+    report.planes.emplace().left_out = planes->require("left_out").whole();
+    planes->each("breaches", [&](const JsonNode& b) {
+      report.planes->breaches.push_back({axis_in(b), static_cast<PlaneBreach::Rule>(b.require("rule").choice(kPlaneRuleNames)),
+                                         b.require("at").number(), b.require("found").number(), b.require("expected").number()});
+    });
+  }
   if (const auto overlaps = find_value(j, "overlaps")) {
     report.overlaps.emplace().pairs = overlaps->require("pairs").whole();
     overlaps->each("list", [&](const JsonNode& o) { report.overlaps->list.push_back(overlap_in(o)); });
@@ -259,6 +266,15 @@ std::optional<CadReport> cad_in(const JsonNode& input) {
 
 }  // namespace
 
+void write_breaches(JsonWriter& out, const PlanesReport& planes) {
+  out.begin_array();
+  for (const PlaneBreach& b : planes.breaches) {
+    out.begin_object().field("axis", axis_name(b.axis)).field("rule", kPlaneRuleNames[static_cast<size_t>(b.rule)]).field("at", b.at);
+    out.field("found", b.found).field("expected", b.expected).end_object();
+  }
+  out.end_array();
+}
+
 std::string write_report(const Report& report, const std::vector<std::string>& warnings, const std::string& scene) {
   std::string text;
   const size_t bodies = report.bodies.size();
@@ -283,6 +299,11 @@ std::string write_report(const Report& report, const std::vector<std::string>& w
   out.key("crossings_expected").begin_array();
   for (const double crossings : report.crossings_expected) out.value(static_cast<uint64_t>(std::min(crossings, 0x1p63)));
   out.end_array().end_object();
+  if (report.planes) {
+    out.key("planes").begin_object().key("breaches");
+    write_breaches(out, *report.planes);
+    out.field("left_out", report.planes->left_out).end_object();
+  }
   if (report.overlaps) {
     const std::vector<OverlapReport>& list = report.overlaps->list;
     out.key("overlaps").begin_object().field("pairs", report.overlaps->pairs).key("list");

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "store/grid/report.hpp"
+#include "store/text/json_writer.hpp"
 
 namespace teracell::inline store {
 
@@ -13,6 +14,9 @@ inline constexpr size_t kMostOfScene = size_t{15} << 20;  // bytes
 
 // With these warnings instead of the report's. `scene`: the scene as JSON, of at most kMostOfScene bytes; if it is longer, it may be left out.
 std::string write_report(const Report& report, const std::vector<std::string>& warnings, const std::string& scene);
+
+// The list of breaches.
+void write_breaches(JsonWriter& out, const PlanesReport& planes);
 
 // Keys that are missing leave their defaults: reports of earlier versions are read. `take` gets the bodies one by one, and of the rest of
 // the text no more is in memory at a time than one item of a list; the report that is returned has no bodies. Nothing is returned where

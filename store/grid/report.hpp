@@ -123,6 +123,23 @@ struct CadReport {
   bool by_shares = false;
 };
 
+// A place where planes that were made break a rule of theirs, because two rules collide there.
+struct PlaneBreach {
+  enum class Rule { kFinest, kWidth, kGrowth };
+  int axis;
+  Rule rule;
+  double at;               // the lower plane of the cell; of growth, the plane between two cells
+  double found, expected;  // a width, or a ratio of two widths
+};
+inline constexpr std::array<std::string_view, 3> kPlaneRuleNames = {"finest", "width", "growth"};  // in the order of PlaneBreach::Rule
+
+// What is to be said of planes that were made.
+struct PlanesReport {
+  std::vector<PlaneBreach> breaches;
+  uint64_t left_out = 0;              // of the list, for want of room
+  std::vector<std::string> warnings;  // those of the report have them, too
+};
+
 struct InputReport {
   std::string path, format, hash;
   uint64_t bytes = 0;
@@ -143,6 +160,7 @@ struct Report {
   bool axis_asked_for = false;
   Vec3 crossings_expected{};                        // along each axis
   std::optional<std::vector<GapReport>> lost_gaps;  // when they were counted
+  std::optional<PlanesReport> planes;               // when they were made
   std::optional<OverlapsReport> overlaps;           // reports of earlier versions have none
 };
 

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <utility>
 
+#include "store/base/error.hpp"
+#include "store/format/report_json.hpp"
+#include "store/grid/cell_widths.hpp"
 #include "store/text/json_writer.hpp"
 #include "store/text/text.hpp"
 
@@ -27,11 +30,34 @@ void write_grid(JsonWriter& out, const Grid& grid) {
   write_all(out, "axes", grid.axis, [&](size_t d) {
     const Axis& a = grid.axis[d];
     out.begin_object().field("type", a.is_graded() ? "graded" : "uniform");
-    if (a.is_graded()) out.field("planes", std::span(a.planes()));
-    else out.field("min", a.origin()).field("step", a.step()).field("first", a.first()).field("cells", a.cells());
+    if (a.is_graded()) {
+      const CellWidths w = cell_widths(a);
+      out.field("planes", std::span(a.planes())).field("smallest_cell", w.smallest).field("largest_cell", w.largest).field("largest_ratio", w.ratio);
+    } else out.field("min", a.origin()).field("step", a.step()).field("first", a.first()).field("cells", a.cells());
     out.end_object();
   });
   out.field("cells_text", cell_count_text(grid.cells())).end_object();
+}
+
+// Of grids with planes of their own: the widths of all their cells, and where planes that were made break their rules.
+void write_planes(JsonWriter& out, const GridReader& reader) {
+  const Grid& grid = reader.meta().grid;
+  if (std::ranges::none_of(grid.axis, &Axis::is_graded)) return;
+  CellWidths all = cell_widths(grid.axis[0]);
+  for (const Axis& axis : grid.axis) {
+    const CellWidths w = cell_widths(axis);
+    all.smallest = std::min(all.smallest, w.smallest), all.largest = std::max(all.largest, w.largest), all.ratio = std::max(all.ratio, w.ratio);
+  }
+  out.key("planes").begin_object().field("smallest_cell", all.smallest).field("largest_cell", all.largest).field("largest_ratio", all.ratio);
+  PlanesReport planes;
+  try {
+    const auto report = read_report(reader.report(), [](BodyReport&&) {});
+    if (report && report->planes) planes = *report->planes;
+  } catch (const FormatError&) {  // it is shown as it is
+  }
+  out.key("breaches");
+  write_breaches(out, planes);
+  out.end_object();
 }
 
 void write_level(JsonWriter& out, const GridReader& reader, int level) {
@@ -70,6 +96,7 @@ std::string info_json(const GridReader& reader, std::string_view id) {
   JsonWriter out(text);
   out.begin_object().field("schema", 1).field("units", meta.units).field("ray_axis", axis_name(meta.ray_axis)).key("grid");
   write_grid(out, meta.grid);
+  write_planes(out, reader);
   write_all(out, "materials", meta.materials, [&](size_t i) {
     const MaterialInfo& m = meta.materials[i];
     out.begin_object().field("id", i).field("name", m.name).field("color", m.color).field("rank", m.rank).end_object();

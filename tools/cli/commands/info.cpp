@@ -143,6 +143,11 @@ void print_volumes(const CadReport& cad, const std::string& units) {
   if (without > 0) detail("", fmt::format("none of {} of these", counted(without, "face")));
 }
 
+void print_breaches(const PlanesReport& planes, const std::string& units) {
+  std::string title = "planes";
+  for (const std::string& line : breach_lines(planes, units)) row(std::exchange(title, ""), line);
+}
+
 void print_report(const Report& report, const std::string& units) {
   std::string title = "bodies";
   for (size_t i = 0; i < report.bodies.size(); ++i) {
@@ -151,6 +156,7 @@ void print_report(const Report& report, const std::string& units) {
   }
   if (const std::string overlaps = overlaps_text(report); !overlaps.empty()) row("overlaps", overlaps);
   title = "gaps";
+  if (report.planes) print_breaches(*report.planes, units);
   if (report.lost_gaps)
     for (const GapReport& gap : *report.lost_gaps)
       row(std::exchange(title, ""),
@@ -200,8 +206,7 @@ void print(const GridReader& reader) {
   row("cells", cells_text(n) + (cells < 1e9 ? "" : fmt::format(" ({})", number_text(cells, 3))));
   for (int d = 0; d < 3; ++d) {
     const Axis& a = meta.grid.axis[d];
-    row(d == 0 ? "domain" : "", fmt::format("{}  {:.8g} to {:.8g} {}, {}", axis_name(d), a.min(), a.max(), meta.units,
-                                            a.is_graded() ? "graded" : fmt::format("cells of {:.6g} {}", a.step(), meta.units)));
+    row(d == 0 ? "domain" : "", axis_text(d, a, meta.units));
   }
   row("rays", fmt::format("along {}, {} facet crossings, {:.2f} bits per crossing on level 0", axis_name(meta.ray_axis),
                           fmt::group_digits(meta.crossings), bits_per_crossing(meta)));

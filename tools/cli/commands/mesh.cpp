@@ -4,6 +4,7 @@
 #include "store/base/error.hpp"
 #include "store/base/output_file.hpp"
 #include "store/check/kept.hpp"
+#include "store/read/reader.hpp"
 #include "tools/cli/command.hpp"
 #include "tools/cli/commands/check_grid.hpp"
 #include "tools/cli/commands/mesh_options.hpp"
@@ -13,11 +14,25 @@
 namespace teracell::cli {
 namespace {
 
+void run_dry(const MeshArguments& o, const mesher::Scene& scene) {
+  check_planes(o, scene);
+  const std::atomic<bool>& interrupted = watch_interrupts();
+  std::optional<mesher::DryRun> found;
+  {
+    ProgressLine line(o.progress, "mesh");
+    found = dry_run(scene, mesh_options(o), std::ref(line), interrupted);
+  }
+  if (!o.write_planes.empty()) mesher::write_planes(found->plan.meta.grid, o.write_planes);
+  say_dry_run(*found, threads_or_all(o.threads));
+}
+
 void run(const MeshArguments& o) {
   const mesher::Scene scene = scene_from(o);
+  if (o.dry_run) return run_dry(o, scene);
   check_outputs(o, scene);
   const mesher::MeshOptions options = mesh_options(o);
   if (options.shard && !o.report.empty()) throw UsageError("--report: expected a whole grid, found --shard: give it to `teracell merge`");
+  if (options.shard && !o.write_planes.empty()) throw UsageError("--write-planes: expected a whole grid, found --shard: --dry-run writes them, too");
   if (options.shard && o.check) throw UsageError("--check: expected a whole grid, found --shard: run `teracell check` after `teracell merge`");
   const std::atomic<bool>& interrupted = watch_interrupts();
   std::optional<OutputFile> report_file;
@@ -31,6 +46,7 @@ void run(const MeshArguments& o) {
   }
   if (!options.shard || options.shard->number == 0) warn_of_caps(o, report);
   if (options.shard) return say_part(file.string(), report);
+  if (!o.write_planes.empty()) mesher::write_planes(GridReader(o.output).meta().grid, o.write_planes);
   if (report_file) write_report(report, *report_file, o.output);
   say_grid(o.output, report);
   if (o.check) say_findings(o.output, check_grid({o.output, {}}, kept_findings(o.output), {.threads = threads_or_all(o.threads)}, o.progress));

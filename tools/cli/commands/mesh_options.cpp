@@ -54,7 +54,8 @@ void add_mesh_options(CLI::App& app, MeshArguments& o, bool of_many) {
          "inputs", o.inputs,
          "a scene (.json), or surfaces: STL, OBJ, PLY, OFF, 3MF, glTF, STEP, plain or compressed by gzip; each is a body, and later ones win where they overlap")
       ->required();
-  app.add_option("-o,--output", o.output, "the .tcell file to write")->required();
+  CLI::Option* output = app.add_option("-o,--output", o.output, "the .tcell file to write");
+  if (of_many) output->required();
   app.add_option("--cells", o.cells,
                  "N: cubic cells, N along the longest axis with its pad, so fewer along the others; NX,NY,NZ: this many cells along each axis");
   app.add_flag("--by-part", o.by_part, "without a scene: a body and a material for each part of the files, not for each file");
@@ -73,7 +74,8 @@ void add_mesh_options(CLI::App& app, MeshArguments& o, bool of_many) {
       "--stitch", o.stitch,
       "open edges of solids that are closer than this are joined; in the units of the grid (default: a quarter of the shortest cell edge; 0 joins none)");
   app.add_option("--deflection", o.deflection,
-                 "of STEP files: the largest distance between a surface and its facets, in the units of the grid, or in cells, as 0.1c (default)");
+                 "of STEP files: the largest distance between a surface and its facets, in the units of the grid, or in cells, as 0.1c (default)")
+      ->check([](const std::string& text) { return text.empty() ? "expected a length or cells, found nothing" : ""; });
   app.add_option("--angle", o.angle, "of STEP files: the largest angle between neighbouring chords, in degrees (default 12)")
       ->check(in_range(0.1, 90));
   app.add_flag("--face-patches", o.face_patches,
@@ -105,6 +107,10 @@ void add_mesh_options(CLI::App& app, MeshArguments& o, bool of_many) {
                    "I/N: make part I of 0 to N-1 alone, as OUTPUT.shard-I-of-N; `teracell merge` puts the parts together to the same bytes");
   app.add_option("--write-caps", o.caps,
                  "write the facets that close open surfaces: .stl, or .ply in double precision; one file per body when there are several");
+  if (!of_many) app.add_flag("--dry-run", o.dry_run, "read the surfaces, say what the grid would be and about what it would take, and write no grid");
+  if (!of_many)
+    app.add_option("--write-planes", o.write_planes,
+                   "write the planes of all axes into this folder: x.txt, y.txt, z.txt, a number a line, as \"planes_file\" reads them");
   if (!of_many) app.add_flag("--check", o.check, "look through the grid when it is done, as `teracell check` does");
   app.add_option("--report", o.report, "write the report, with times and memory, as JSON");
   add_progress(app, o.progress);
@@ -173,8 +179,18 @@ mesher::Scene scene_from(const MeshArguments& o) {
   return scene;
 }
 
+void check_planes(const MeshArguments& o, const mesher::Scene& scene) {
+  if (o.write_planes.empty()) return;
+  std::error_code none;
+  for (int d = 0; d < 3; ++d)
+    for (const mesher::SceneAxis& axis : scene.axis)
+      if (std::filesystem::equivalent(axis.planes_file, mesher::planes_path(o.write_planes, d), none))
+        throw UsageError(
+            fmt::format("--write-planes: expected another folder, found one whose {} the scene reads", axis.planes_file.filename().string()));
+}
+
 void check_outputs(const MeshArguments& o, const mesher::Scene& scene) {
-  if (o.output.empty()) throw UsageError("--output: expected a name, found none");
+  if (o.output.empty()) throw UsageError("--output: expected the name of the .tcell file to write, found none");
   for (const char* other : {".json", ".stl", ".obj", ".ply", ".step", ".stp", ".gz", ".png", ".npy"})  // surely a slip
     if (strcasecmp(std::filesystem::path(o.output).extension().c_str(), other) == 0)
       throw UsageError(fmt::format("--output: expected a name for a .tcell file, found '{}'", o.output));
@@ -193,6 +209,7 @@ void check_outputs(const MeshArguments& o, const mesher::Scene& scene) {
   for (const mesher::SceneAxis& axis : scene.axis) inputs.push_back(axis.planes_file.string());
   refuse_overwriting(inputs, o.output);  // of what was left of this one, warn_of_leftovers() knows more
   for (size_t i = 1; i < outputs.size(); ++i) check_output(inputs, outputs[i]);
+  check_planes(o, scene);
 }
 
 mesher::MeshOptions mesh_options(const MeshArguments& o, int share) {

@@ -7,6 +7,7 @@
 
 #include "mesher/report/report_json.hpp"
 #include "store/base/error.hpp"
+#include "store/grid/cell_widths.hpp"
 #include "store/grid/number_text.hpp"
 #include "store/read/reader.hpp"
 #include "store/text/text.hpp"
@@ -35,6 +36,51 @@ std::string cells_text(const Index3& n) {
 
 std::string size_text(const Index3& n) {
   return fmt::format("{} x {} x {}", fmt::group_digits(n[0]), fmt::group_digits(n[1]), fmt::group_digits(n[2]));
+}
+
+std::string axis_text(int d, const Axis& a, const std::string& units) {
+  const std::string domain = fmt::format("{}  {:.8g} to {:.8g} {}, ", axis_name(d), a.min(), a.max(), units);
+  if (!a.is_graded()) return domain + fmt::format("cells of {:.6g} {}", a.step(), units);
+  const CellWidths w = cell_widths(a);
+  return domain + fmt::format("graded: cells of {:.4g} to {:.4g} {}, neighbours within a factor of {:.4g}", w.smallest, w.largest, units, w.ratio);
+}
+
+std::vector<std::string> breach_lines(const PlanesReport& planes, const std::string& units) {
+  constexpr size_t kMost = 20;
+  std::vector<std::string> out;
+  for (const PlaneBreach& b : planes.breaches) {
+    if (out.size() == kMost) break;
+    const std::string at = fmt::format("axis {} at {:.9g} {}: ", axis_name(b.axis), b.at, units);
+    if (b.rule == PlaneBreach::Rule::kGrowth) out.push_back(fmt::format("{}neighbours differ by {:.4g}, more than {:.4g}", at, b.found, b.expected));
+    else
+      out.push_back(fmt::format("{}a cell is {:.4g} {} wide, {} than {:.4g} {}", at, b.found, units,
+                                b.rule == PlaneBreach::Rule::kFinest ? "less" : "more", b.expected, units));
+  }
+  if (const uint64_t more = planes.breaches.size() - out.size() + planes.left_out; more > 0)
+    out.push_back(fmt::format("and {} more places where two rules collide", fmt::group_digits(more)));
+  return out;
+}
+
+void say_dry_run(const mesher::DryRun& run, int threads) {
+  const Metadata& meta = run.plan.meta;
+  auto write = [title = std::string()](const std::string& name, const std::string& text) mutable {
+    say(fmt::format("{:<9}  {}", name == title ? "" : name, text));
+    title = name;
+  };
+  write("cells", cells_text(meta.grid.cells()));
+  for (int d = 0; d < 3; ++d) write("domain", axis_text(d, meta.grid.axis[d], meta.units));
+  if (run.plan.planes) {
+    const std::vector<std::string> breaches = breach_lines(*run.plan.planes, meta.units);
+    if (breaches.empty()) write("planes", "all rules are held");
+    for (const std::string& b : breaches) write("planes", b);
+  }
+  write("rays",
+        fmt::format("along {}, about {} facet crossings of {} facets", axis_name(meta.ray_axis),
+                    fmt::group_digits(static_cast<uint64_t>(std::min(run.plan.rays.crossings[meta.ray_axis], 1e18))), fmt::group_digits(run.facets)));
+  write("estimates", fmt::format("{:.2g} s to cast on {}, {} of memory, a file of {}; nothing was written", run.seconds,
+                                 plural(static_cast<uint64_t>(threads), "thread"), bytes_text(run.memory_bytes), bytes_text(run.file_bytes)));
+  if (run.plan.planes)
+    for (const std::string& w : run.plan.planes->warnings) warn("warning: " + w);
 }
 
 std::string overlaps_text(const Report& report) {

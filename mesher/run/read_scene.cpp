@@ -1,0 +1,37 @@
+#include "mesher/run/read_scene.hpp"
+
+#include <malloc.h>
+
+#include <algorithm>
+#include <thread>
+
+#include "mesher/cad/idle_kernels.hpp"
+
+namespace teracell::mesher {
+
+int threads_of(const MeshOptions& options) {
+  return options.threads > 0 ? options.threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+}
+
+Bodies read_scene(const Scene& scene, const MeshOptions& options, int threads, const Budget& budget, bool count,
+                  const std::function<void(const char* phase, double share)>& progress) {
+  CadOptions cad = options.cad;
+  cad.threads = threads;
+  if (cad.cache.empty() && !options.tmp.empty()) cad.cache = options.tmp / "teracell-cad";
+  cad.waiting = [progress](double share) { progress("facets", share); };  // bodies keep it
+  if (!cad.kernels) cad.kernels = std::make_shared<IdleKernels>();
+  Bodies out = read_bodies(scene, plan_exact_surfaces(scene, cad, budget), options.count_aside ? std::max(2, threads) : threads, budget, count,
+                           [&](double share) { progress("read", share); });
+  cad.kernels->end();
+  complete_flat_faces(scene, budget, out);
+  give_back_memory();
+  return out;
+}
+
+void give_back_memory() {
+#ifdef __GLIBC__
+  ::malloc_trim(0);
+#endif
+}
+
+}  // namespace teracell::mesher

@@ -1,0 +1,20 @@
+// The surfaces of a scene, as every run begins with them.
+#pragma once
+#include <functional>
+
+#include "mesher/bodies/bodies.hpp"
+#include "mesher/run/mesh_options.hpp"
+
+namespace teracell::mesher {
+
+int threads_of(const MeshOptions& options);
+
+// Reads all bodies, with the facets of exact surfaces as fine as the scene wants them, and finds their flat faces where planes are made. `progress`
+// is called with "facets" or "read" and a share, and may throw.
+Bodies read_scene(const Scene& scene, const MeshOptions& options, int threads, const Budget& budget, bool count,
+                  const std::function<void(const char* phase, double share)>& progress);
+
+// Gives freed memory back to the system, which the allocator would keep: that of a large scene's JSON, and of facets that were dropped.
+void give_back_memory();
+
+}  // namespace teracell::mesher
