@@ -30,31 +30,41 @@ void write_grid(JsonWriter& out, const Grid& grid) {
   write_all(out, "axes", grid.axis, [&](size_t d) {
     const Axis& a = grid.axis[d];
     out.begin_object().field("type", a.is_graded() ? "graded" : "uniform");
-    if (a.is_graded()) {
-      const CellWidths w = cell_widths(a);
-      out.field("planes", std::span(a.planes())).field("smallest_cell", w.smallest).field("largest_cell", w.largest).field("largest_ratio", w.ratio);
-    } else out.field("min", a.origin()).field("step", a.step()).field("first", a.first()).field("cells", a.cells());
+    if (a.is_graded()) out.field("planes", std::span(a.planes()));
+    else out.field("min", a.origin()).field("step", a.step()).field("first", a.first()).field("cells", a.cells());
     out.end_object();
   });
   out.field("cells_text", cell_count_text(grid.cells())).end_object();
 }
 
-// Of grids with planes of their own: the widths of all their cells, and where planes that were made break their rules.
-void write_planes(JsonWriter& out, const GridReader& reader) {
-  const Grid& grid = reader.meta().grid;
+// The places where planes that were made break their rules, as a report says.
+PlanesReport planes_in(std::string_view report) try {
+  if (report.find("\"planes\":{\"breaches\":") == std::string_view::npos) return {};  // long reports aren't read for nothing
+  const auto read = read_report(std::string(report), [](BodyReport&&) {});
+  return read && read->planes ? *read->planes : PlanesReport{};
+} catch (const FormatError&) {
+  return {};  // it is shown as it is
+}
+
+// Of grids with planes of their own: how wide their cells are, and what is to be said of planes that were made.
+void write_planes(JsonWriter& out, const Grid& grid, std::string_view report) {
   if (std::ranges::none_of(grid.axis, &Axis::is_graded)) return;
   CellWidths all = cell_widths(grid.axis[0]);
   for (const Axis& axis : grid.axis) {
     const CellWidths w = cell_widths(axis);
     all.smallest = std::min(all.smallest, w.smallest), all.largest = std::max(all.largest, w.largest), all.ratio = std::max(all.ratio, w.ratio);
   }
-  out.key("planes").begin_object().field("smallest_cell", all.smallest).field("largest_cell", all.largest).field("largest_ratio", all.ratio);
-  PlanesReport planes;
-  try {
-    const auto report = read_report(reader.report(), [](BodyReport&&) {});
-    if (report && report->planes) planes = *report->planes;
-  } catch (const FormatError&) {  // it is shown as it is
-  }
+  const auto put = [&](const CellWidths& w) {
+    out.field("smallest_cell", w.smallest).field("largest_cell", w.largest).field("largest_ratio", w.ratio);
+  };
+  const PlanesReport planes = planes_in(report);
+  out.key("planes").begin_object();
+  put(all);
+  write_all(out, "axes", grid.axis, [&](size_t d) {
+    out.begin_object();
+    put(cell_widths(grid.axis[d]));
+    out.end_object();
+  });
   out.key("breaches");
   write_breaches(out, planes);
   out.end_object();
@@ -96,7 +106,6 @@ std::string info_json(const GridReader& reader, std::string_view id) {
   JsonWriter out(text);
   out.begin_object().field("schema", 1).field("units", meta.units).field("ray_axis", axis_name(meta.ray_axis)).key("grid");
   write_grid(out, meta.grid);
-  write_planes(out, reader);
   write_all(out, "materials", meta.materials, [&](size_t i) {
     const MaterialInfo& m = meta.materials[i];
     out.begin_object().field("id", i).field("name", m.name).field("color", m.color).field("rank", m.rank).end_object();
@@ -120,7 +129,9 @@ std::string info_json(const GridReader& reader, std::string_view id) {
   out.key("chunk").begin_object().field("rays", meta.chunk_rays).field("cells", meta.chunk_cells).end_object();
   out.key("file").begin_object().field("bytes", reader.file_bytes()).field("version", reader.version()).field("hash", reader.hash()).end_object();
   out.field("crossings", meta.crossings).field("bits_per_crossing", bits_per_crossing(meta)).key("report");
+  const size_t report = text.size();
   reader.append_report(text);
+  write_planes(out, meta.grid, std::string_view(text).substr(report));
   if (!id.empty()) out.field("id", id);
   out.end_object();
   return text;

@@ -116,6 +116,72 @@ class Scenes(Case):
         for m in self.json_of("stats", "g.tcell")["materials"]:
             self.assertAlmostEqual(m["volume"], volume[m["id"]])
 
+    def made(self, *options, **auto):
+        """Meshes both boxes with planes made; returns the planes of each axis."""
+        self.mesh([{"name": "a", "mesh": "a.stl", "material": "steel"}, {"name": "b", "mesh": "b.obj", "material": "oil"}],
+                  {"auto": {"finest": 0.25, "coarsest": 2, "pad": 1, **auto}})
+        return [axis["planes"] for axis in self.json_of("info", "g.tcell")["grid"]["axes"]]
+
+    def test_planes_are_made_from_flat_faces(self):
+        for d, planes in enumerate(self.made(growth=1.5)):
+            faces = {v for box in (A, B) for corner in box for v in (corner[d],)}
+            self.assertLessEqual(faces, set(planes))
+            widths = [hi - lo for lo, hi in zip(planes, planes[1:])]
+            self.assertGreaterEqual(min(widths), 0.25 - 1e-9)
+            self.assertLessEqual(max(max(a / b, b / a) for a, b in zip(widths, widths[1:])), 1.5 + 1e-9)
+        info = self.json_of("info", "g.tcell")
+        self.assertEqual(info["planes"]["breaches"], [])
+        self.assertLessEqual(info["planes"]["largest_ratio"], 1.5 + 1e-9)
+        self.assertEqual([(min(ends), max(ends)) for ends in zip(info["grid"]["min"], info["grid"]["max"])], [(-2, 8), (-2, 6), (-2, 7)])
+        stats = self.json_of("stats", "g.tcell")["materials"]
+        self.assertAlmostEqual(stats[1]["volume"] + stats[2]["volume"], 64 + 4 * 2 * 4 - 2 * 2 * 3)
+
+    def test_faces_that_are_too_near_and_rules_that_collide_are_told(self):
+        self.write("b.obj", solids.obj((4.1, 0, 0), (5, 4, 4)))
+        planes = self.made()
+        self.assertIn(4.0, planes[0])
+        self.assertNotIn(4.1, planes[0])
+        self.assertIn("axis x: no plane for a face of body 'b' at 4.1: it is 0.1 mm from a face of body 'a' at 4", self.run_ok("info", "g.tcell").out)
+        self.made(fixed={"x": [1, 1.25, 1.7]}, growth=1.2, resolution={"b": {"across": 4}})
+        info = self.json_of("info", "g.tcell")
+        self.assertEqual(info["planes"]["breaches"], info["report"]["planes"]["breaches"])
+        self.assertEqual([(b["axis"], b["rule"], b["at"], b["expected"]) for b in info["planes"]["breaches"]], [("x", "growth", 1.25, 1.2)])
+        self.assertIn("axis x at", self.run_ok("info", "g.tcell").out)
+
+    def test_a_dry_run_has_the_planes_of_the_run_and_writes_nothing_else(self):
+        planes = self.made(snap="thirds", metals=["steel"])
+        before = sorted(os.listdir(self.path(".")))
+        said = self.run_ok("mesh", "s.json", "--dry-run", "--write-planes", "planes").out
+        self.assertEqual(sorted(os.listdir(self.path("."))), sorted([*before, "planes"]))
+        for words in ("cells", "domain", "all rules are held", "nothing was written"):
+            self.assertIn(words, said)
+        for name, of_axis in zip("xyz", planes):
+            with open(self.path(f"planes/{name}.txt")) as file:
+                self.assertEqual([float(line) for line in file], of_axis)
+        first = self.bytes("g.tcell")
+        self.mesh([{"name": "a", "mesh": "a.stl", "material": "steel"}, {"name": "b", "mesh": "b.obj", "material": "oil"}],
+                  {name: {"planes_file": f"planes/{name}.txt"} for name in "xyz"})
+        self.assertIn("the grids are equal", self.run_ok("diff", "g.tcell", "g.tcell").out)
+        self.assertNotEqual(first, b"")
+        self.refused(2, ["--write-planes: expected another folder"], "mesh", "s.json", "--write-planes", "planes", "-o", "h.tcell")
+
+    def test_shards_have_the_same_made_planes(self):
+        self.made()
+        for i in (0, 1):
+            self.run_ok("mesh", "s.json", "-o", "p.tcell", "--shard", f"{i}/2")
+        self.run_ok("merge", "p.tcell.shard-0-of-2", "p.tcell.shard-1-of-2", "-o", "p.tcell")
+        self.assertEqual(self.bytes("p.tcell"), self.bytes("g.tcell"))
+
+    def test_wrong_rules_for_planes_are_usage_errors(self):
+        for auto, words in (({"finest": 2}, "at least twice"), ({"growth": 1}, "growth"), ({"resolution": {"c": {"step": 1}}}, "found \"c\""),
+                            ({"resolution": {"a": {"step": 0.3}}}, "at least twice"), ({"snap": "thirds"}, "metals"), ({"snap": "edges"}, "snap"),
+                            ({"fixed": {"x": [99]}}, "99"), ({"fixed": [1]}, "fixed"), ({"coarse": 1}, "coarse")):
+            self.write("s.json", {"grid": {"auto": {"finest": 0.25, "coarsest": 2, **auto}}, "materials": {"air": {}, "steel": {}},
+                                  "bodies": [{"name": "a", "mesh": "a.stl", "material": "steel"}]})
+            self.refused(2, [words], "mesh", "s.json", "-o", "h.tcell")
+        self.write("s.json", {"grid": {"auto": {"finest": 0.25, "coarsest": 2}, "step": 1}, "materials": {"air": {}}, "bodies": []})
+        self.refused(2, ["exclude each other"], "mesh", "s.json", "-o", "h.tcell")
+
     def test_transforms(self):
         body = {"mesh": "a.stl", "material": "steel"}
         for more, box in (({"translate": [1, -0.5, 0.25]}, ((1, -0.5, 0.25), (5, 3.5, 4.25))),

@@ -14,6 +14,7 @@
 #include "mesher/engines/engines.hpp"
 #include "mesher/pipeline.hpp"
 #include "mesher/report/report_json.hpp"
+#include "mesher/run/dry_run.hpp"
 #include "mesher/scene/from_parts.hpp"
 #include "mesher/surface/read_facets.hpp"
 #include "mesher/survey/survey.hpp"
@@ -414,6 +415,26 @@ std::string mesh(const std::string& scene_text, const std::string& folder, const
   }
 }
 
+// The planes of a scene's axes, where they break rules (JSON), and what there is to say of them.
+std::tuple<std::vector<std::vector<double>>, std::string, std::vector<std::string>> planes(const std::string& scene_text, const std::string& folder) {
+  using namespace teracell;
+  const Unlocked unlocked;
+  const std::atomic<bool> stop = false;
+  mesher::MeshOptions o;
+  o.memory = mesher::modest_budget().bytes;
+  const mesher::DryRun run = dry_run(mesher::parse_scene(scene_text, folder), o, [](const char*, double, double) {}, stop);
+  std::vector<std::vector<double>> axes;
+  for (const Axis& axis : run.plan.meta.grid.axis) {
+    auto& planes = axes.emplace_back();
+    for (int64_t i = 0; i <= axis.cells(); ++i) planes.push_back(axis.plane(i));
+  }
+  const PlanesReport report = run.plan.planes.value_or(PlanesReport{});
+  std::string breaches;
+  JsonWriter out(breaches);
+  write_breaches(out, report);
+  return {axes, breaches, report.warnings};
+}
+
 }  // namespace
 
 PYBIND11_MODULE(_native, m) {
@@ -438,6 +459,7 @@ PYBIND11_MODULE(_native, m) {
   });
   m.attr("version") = tc_version();
   m.def("mesh", &mesh);
+  m.def("planes", &planes);
   m.def("survey", [](const std::string& file) {
     const Unlocked unlocked;
     return teracell::mesher::survey_json({teracell::mesher::survey(file, teracell::mesher::modest_budget())}, {file});

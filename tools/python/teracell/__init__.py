@@ -22,7 +22,7 @@ from . import _native
 from ._arguments import corners, index_of, is_address, one_or_three, path_of, shown, whole, whole_key, wholes
 from ._errors import Error, FormatError, IoError, UsageError
 
-__all__ = ["open", "mesh", "info", "Grid", "Level", "Axis", "Material", "Patch", "Cells", "Partition", "Part", "Error", "FormatError", "IoError", "UsageError",
+__all__ = ["open", "mesh", "planes", "info", "Planes", "Grid", "Level", "Axis", "Material", "Patch", "Cells", "Partition", "Part", "Error", "FormatError", "IoError", "UsageError",
            "__version__"]
 __version__ = _native.version
 
@@ -36,6 +36,10 @@ Material.__doc__ = """A material: its id, its name, its colour (red, green, blue
 
 Cells = collections.namedtuple("Cells", "cells volume box")
 Cells.__doc__ = """Exact counts of a material: the number of cells, their volume, and the box that holds them, or None if there are none."""
+
+Planes = collections.namedtuple("Planes", "x y z breaches warnings")
+Planes.__doc__ = """The planes between the cells along x, y and z (cells + 1), as float64; the places where two rules collide, as dicts with the keys
+axis, rule ("finest", "width" or "growth"), at, found and expected; and warnings, such as faces that have no plane."""
 
 Part = collections.namedtuple("Part", "rank box halo_box weight neighbours")
 Part.__doc__ = """What a rank computes: its box of level 0, the box that it reads (with the halo, clipped to the grid), the work in it, and the
@@ -416,17 +420,10 @@ def mesh(scene, output, *, folder=".", units=None, by_part=False, cells=None, st
     if progress is not None and not callable(progress):
         raise UsageError(f"progress: expected a function, found {shown(progress)}")
     text, base, surfaces = "", path_of(folder), []
-    if isinstance(scene, dict):
-        text = json.dumps(scene)
-    elif isinstance(scene, (list, tuple)):
+    if isinstance(scene, (list, tuple)):
         surfaces = [os.fsencode(path_of(s)) for s in scene]
-    elif path_of(scene).endswith(".json"):
-        base = os.path.dirname(path_of(scene))
-        try:
-            with _open(path_of(scene), "rb") as file:
-                text = file.read()
-        except OSError as e:
-            raise IoError(e.errno, f"{path_of(scene)}: can't open: {e.strerror}") from e
+    elif isinstance(scene, dict) or path_of(scene).endswith(".json"):
+        text, base = _scene_of(scene, base)
     else:
         surfaces = [os.fsencode(path_of(scene))]
     if isinstance(scene, (list, tuple)) and not surfaces:
@@ -444,6 +441,27 @@ def mesh(scene, output, *, folder=".", units=None, by_part=False, cells=None, st
     grid = Grid(output)
     grid.report = json.loads(report)
     return grid
+
+
+def planes(scene, *, folder="."):
+    """The planes that meshing a scene would have, as Planes, without meshing it: its surfaces are read once.
+
+    scene     a scene file; or a scene as a dict, whose paths are relative to `folder`
+    """
+    text, base = _scene_of(scene, path_of(folder))
+    axes, breaches, warnings = _native.planes(text, os.fsencode(base))
+    return Planes(*(numpy.array(axis) for axis in axes), json.loads(breaches), warnings)
+
+
+def _scene_of(scene, folder):
+    """A scene's text and the folder of its paths."""
+    if isinstance(scene, dict):
+        return json.dumps(scene), folder
+    try:
+        with _open(path_of(scene), "rb") as file:
+            return file.read(), os.path.dirname(path_of(scene))
+    except OSError as e:
+        raise IoError(e.errno, f"{path_of(scene)}: can't open: {e.strerror}") from e
 
 
 _open = __builtins__["open"] if isinstance(__builtins__, dict) else __builtins__.open
