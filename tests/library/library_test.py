@@ -391,7 +391,7 @@ class Installed(unittest.TestCase):
                        text=True, cwd=folder).split()
 
         self.assertEqual(completed("teracell", "par"), ["partition"])
-        self.assertEqual(completed("teracell", "mesh", "--wri"), ["--write-caps"])
+        self.assertEqual(completed("teracell", "mesh", "--write-c"), ["--write-caps"])
         self.assertEqual(completed("teracell", "slice", "x.tc"), ["x.tcell"])
 
     def test_examples_compile_by_pkg_config_and_run(self):

@@ -29,6 +29,23 @@ class Assemblies(unittest.TestCase):
             teracell.mesh(folder / "two.off", folder / "two.tcell", units="parsec")
 
 
+class Planes(unittest.TestCase):
+    def test_planes_are_made_without_meshing_and_those_that_meshing_makes(self):
+        (folder / "two.off").write_text("OFF\n4 4 0\n0 0 0\n2 0 0\n0 2 0\n0 0 2\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n")
+        scene = {"units": "mm", "grid": {"auto": {"finest": 0.1, "coarsest": 1, "fixed": {"x": [0.05, 0.35, 0.48]}, "growth": 1.2}},
+                 "materials": {"air": {}, "tin": {}}, "bodies": [{"name": "two", "mesh": "two.off", "material": "tin"}]}
+        made = teracell.planes(scene, folder=folder)
+        grid = teracell.mesh(scene, folder / "planes.tcell", folder=folder)
+        for axis, planes in zip("xyz", (made.x, made.y, made.z)):
+            self.assertEqual(planes.dtype, numpy.float64)
+            numpy.testing.assert_array_equal(planes, next(a.planes for a in grid.axes if a.name == axis))
+        self.assertEqual(made.breaches, grid.info["planes"]["breaches"])
+        self.assertIn("no plane for a face of body 'two' at 0", made.warnings[0])
+        for wrong, words in (({"grid": {}}, "bodies"), (folder / "none.json", "none.json")):
+            with self.assertRaisesRegex((ValueError, OSError), words):
+                teracell.planes(wrong, folder=folder)
+
+
 class Arguments(unittest.TestCase):
     def test_absurd_arguments_are_value_errors_in_words_of_the_package(self):
         grid = teracell.open(grids[0])

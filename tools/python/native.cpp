@@ -20,6 +20,7 @@
 #include "mesher/survey/survey.hpp"
 #include "mesher/survey/survey_json.hpp"
 #include "store/base/error.hpp"
+#include "store/format/report_json.hpp"
 #include "store/teracell.h"
 
 namespace py = pybind11;
@@ -422,7 +423,8 @@ std::tuple<std::vector<std::vector<double>>, std::string, std::vector<std::strin
   const std::atomic<bool> stop = false;
   mesher::MeshOptions o;
   o.memory = mesher::modest_budget().bytes;
-  const mesher::DryRun run = dry_run(mesher::parse_scene(scene_text, folder), o, [](const char*, double, double) {}, stop);
+  const mesher::DryRun run = dry_run(
+      mesher::parse_scene(scene_text, folder), o, [](const char*, double, double) {}, stop);
   std::vector<std::vector<double>> axes;
   for (const Axis& axis : run.plan.meta.grid.axis) {
     auto& planes = axes.emplace_back();
