@@ -1,12 +1,30 @@
 #include "mesher/planes/geometric.hpp"
 
+#include <array>
+
 namespace teracell::mesher {
 namespace {
+
+constexpr int64_t kFew = 12;
+
+// The same as row_length() by adding up, which is faster for few cells.
+double length_of_few(const Growth& g, double first, double last, double limit, int64_t n, bool up) {
+  std::array<double, kFew> from_last{};
+  double end = last, sum = 0;
+  for (int64_t i = n; i-- > 0; end = up ? end * g.factor : end / g.factor) from_last[static_cast<size_t>(i)] = end;
+  end = first;
+  for (int64_t i = 0; i < n; ++i, end = up ? end * g.factor : end / g.factor) {
+    const double other = from_last[static_cast<size_t>(i)];
+    sum += up ? std::min({end, limit, other}) : std::max({end, limit, other});
+  }
+  return sum;
+}
 
 // Both rows begin as a geometric sequence from the first end, end as one from the last end, and have the limit between them if they reach it. `up`:
 // the sequences grow towards the middle, else they fall.
 double row_length(const Growth& g, double first, double last, double limit, int64_t n, bool up) {
   if (n == 1) return first;
+  if (n <= kFew) return length_of_few(g, first, last, limit, n, up);
   const double log = up ? g.log : -g.log;
   const auto count = static_cast<double>(n);
   // The cells of a sequence that have not reached the limit.

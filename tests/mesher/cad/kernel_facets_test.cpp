@@ -39,7 +39,7 @@ std::string written(const std::vector<nlohmann::json>& shapes = {tetrahedron(), 
   const uint64_t size = head.size();
   put(&size, sizeof size);
   out += head;
-  for (size_t i = 0; i < shapes.size(); ++i) put(kCorners.data(), 4 * sizeof(Vec3)), put(kFaces.data(), 4 * 12);
+  for (size_t i = 0; i < shapes.size(); ++i) put(kCorners.data(), 4 * sizeof(Vec3)), put(kFaces.data(), 4 * sizeof kFaces[0]);
   return out;
 }
 

@@ -26,6 +26,12 @@ std::string longest_text(const mesher::Scene& scene, const Index3& n) {
                      fmt::group_digits(*scene.longest_cells), axis_name(longest), scene.axis[longest].min ? "" : " with its pad");
 }
 
+void warn_in_short(const std::vector<std::string>& warnings, const std::string& more) {
+  constexpr size_t kShown = 50;
+  for (size_t i = 0; i < std::min(warnings.size(), kShown); ++i) warn("warning: " + warnings[i]);
+  if (warnings.size() > kShown) warn(fmt::format("warning: and {} {}", fmt::group_digits(warnings.size() - kShown), more));
+}
+
 }  // namespace
 
 std::string cells_text(const Index3& n) {
@@ -79,8 +85,7 @@ void say_dry_run(const mesher::DryRun& run, int threads) {
                     fmt::group_digits(static_cast<uint64_t>(std::min(run.plan.rays.crossings[meta.ray_axis], 1e18))), fmt::group_digits(run.facets)));
   write("estimates", fmt::format("{:.2g} s to cast on {}, {} of memory, a file of {}; nothing was written", run.seconds,
                                  plural(static_cast<uint64_t>(threads), "thread"), bytes_text(run.memory_bytes), bytes_text(run.file_bytes)));
-  if (run.plan.planes)
-    for (const std::string& w : run.plan.planes->warnings) warn("warning: " + w);
+  if (run.plan.planes) warn_in_short(run.plan.planes->warnings, "more: mesh it, and see teracell info");
 }
 
 std::string overlaps_text(const Report& report) {
@@ -93,16 +98,13 @@ std::string overlaps_text(const Report& report) {
 }
 
 void say_grid(const std::string& output, const mesher::MeshReport& report) {
-  constexpr size_t kShown = 50;
   const GridReader reader(output);
   const Index3 n = reader.meta().grid.cells();
   say(fmt::format("{}: {} cells in {:.2f} s, {}, {} of memory, rays along {}", output, cells_text(n), report.run.seconds(),
                   bytes_text(reader.file_bytes()), bytes_text(static_cast<double>(report.run.peak_memory_bytes)), axis_name(reader.meta().ray_axis)));
   if (const std::string longest = longest_text(report.scene, n); !longest.empty()) say("cells: " + longest);
   if (const std::string overlaps = overlaps_text(report.report); !overlaps.empty()) say("overlaps: " + overlaps);
-  const std::vector<std::string> warnings = report.warnings();
-  for (size_t i = 0; i < std::min(warnings.size(), kShown); ++i) warn("warning: " + warnings[i]);
-  if (warnings.size() > kShown) warn(fmt::format("warning: and {} more: see teracell info {}", warnings.size() - kShown, output));
+  warn_in_short(report.warnings(), "more: see teracell info " + output);
 }
 
 void say_part(const std::string& part, const mesher::MeshReport& report) {
