@@ -167,7 +167,7 @@ class Filling {
     const auto affordable = static_cast<int64_t>(kWork / static_cast<double>(rows_.size()));
     const int64_t usual = std::clamp<int64_t>(affordable, 2, std::min<int64_t>(cells_of_any_length(growth_.factor) + 2, 10));
     std::optional<std::vector<Choice>> out;
-    for (int64_t spare = usual; !out && spare <= (persistent ? 8 * usual : usual); spare *= 2) out = choose_within(mirrored, spare);
+    for (int64_t spare = usual; !out && spare <= (persistent ? 4 * usual : usual); spare *= 2) out = choose_within(mirrored, spare);
     return out;
   }
 
@@ -228,7 +228,7 @@ class Filling {
     });
     std::vector<Way> out;
     for (const Way& way : ways) {
-      if (way.breaches > ways.front().breaches + spare || way.cells > ways.front().cells + spare) continue;
+      if (way.breaches > ways.front().breaches + 2 || way.cells > ways.front().cells + spare) continue;
       const auto has_it = [&](const Way& kept) {
         return kept.cells <= way.cells && kept.last.lo <= way.last.lo * (1 + kSlack) && kept.last.hi * (1 + kSlack) >= way.last.hi;
       };

@@ -15,6 +15,7 @@ namespace teracell::mesher {
 namespace {
 
 using Rank = Candidate::Rank;
+constexpr int64_t kMostCells = int64_t{1} << 26;  // along an axis: all planes are in memory
 
 // One axis on its way from the scene's rules to planes.
 class AxisMaking {
@@ -26,7 +27,7 @@ class AxisMaking {
     const Kept kept = merged(candidates(), rules_.finest, face_slack({lo_, hi_}));
     const Widths widths(lo_, hi_, rules_.coarsest, resolutions(out.report.warnings));
     for (const Loss& loss : kept.losses) out.report.warnings.push_back(words(loss));
-    out.planes[d_] = fill_between(kept.at, widths, rules_.finest, rules_.growth, Axis::kMaxCells);
+    out.planes[d_] = fill_between(kept.at, widths, rules_.finest, rules_.growth, kMostCells);
     add_breaches(d_, out.planes[d_], kept.at, widths, rules_, out.report);
   }
 

@@ -34,6 +34,7 @@ PreparedRun::PreparedRun(const Scene& of, const std::filesystem::path& output, c
   bodies = read_scene(scene, options, threads, budget, counts, [this](const char* phase, double share) { this->progress(phase, share); });
   end_phase("read");
   plan = make_plan(scene, bodies, options.axis, options.chunk_rays, options.fractions, options.links);
+  for (BodyFacets& body : bodies.bodies) body.flat = {};
   close_bodies(scene, plan.meta.grid, budget, bodies, [&](double share) { this->progress("close", share); });
   plan.meta.patches = patches.emplace(scene, bodies, plan.meta.grid).all();
   plan.all_patches = patches->whole();

@@ -29,6 +29,13 @@ for (const [name, axis] of [["uniform", uniform], ["graded", graded]] as const) 
   });
 }
 
+test("the thinnest cell of an axis is known, the first of several", () => {
+  assert.deepEqual([graded.thinnest, graded.finest], [2, 0.1]);
+  const thinner = new Axis({ type: "graded", planes: [0, 1, 1.25, 2, 2.25, 5] }, 0.5);
+  assert.deepEqual([thinner.thinnest, thinner.finest], [1, 0.25]);
+  assert.equal(uniform.thinnest, 0);
+});
+
 test("planes and centres are rounded as the rule for cells says", () => {
   assert.equal(uniform.plane(3), -0.3 + 10 * 0.1);
   assert.equal(uniform.centre(3), -0.3 + 10.5 * 0.1);

@@ -3,7 +3,8 @@ import assert from "node:assert/strict";
 import test from "node:test";
 import { deflateSync } from "node:zlib";
 import { joined } from "@page/figures/areas";
-import { laid_out } from "@page/figures/layout";
+import { Axis } from "@page/base/axis";
+import { laid_out, planes_within } from "@page/figures/layout";
 import { STANDARD, fault_of, pixels_of, points_of } from "@page/figures/options";
 import { crc32, with_density } from "@page/figures/png";
 import { uncover } from "@page/figures/slice_cells";
@@ -24,6 +25,14 @@ test("what can't be made is said", () => {
   assert.equal(fault_of({ ...STANDARD, format: "svg", width: 1000, dpi: 2400 }), null, "shapes have no pixels");
   assert.match(fault_of({ ...STANDARD, format: "svg", width: 1e9 })!, /3\.5 metres/);
   assert.match(fault_of({ ...STANDARD, subject: "3d", format: "svg" })!, /choose PNG/);
+});
+
+test("lines stand at planes between cells that are large enough for them", () => {
+  const graded = new Axis({ type: "graded", planes: [0, 10, 12, 12.5, 20, 40] }, 0.5);
+  assert.deepEqual(planes_within(graded, { low: 0, high: 40 }, 80), [20, 40]);
+  assert.deepEqual(planes_within(graded, { low: 0, high: 40 }, 400), [100, 120, 125, 200]);
+  assert.deepEqual(planes_within(graded, { low: 11, high: 20 }, 90), [10, 15]);
+  assert.deepEqual(planes_within(new Axis({ type: "uniform", min: 0, step: 1, first: 0, cells: 4 }, 0.5), { low: 0.5, high: 3.5 }, 30), [5, 15, 25]);
 });
 
 test("the checksum is that of PNG", () => {

@@ -18,7 +18,8 @@ export class Axis {
   readonly min: number;
   readonly max: number;
   readonly graded: boolean;
-  readonly finest: number; // the width of the thinnest cell
+  readonly thinnest: number; // the thinnest cell, the first of several
+  readonly finest: number; // its width
   private readonly planes: Float64Array | null;
 
   constructor(
@@ -30,9 +31,12 @@ export class Axis {
     this.cells = json.type === "graded" ? json.planes.length - 1 : json.cells;
     this.min = this.plane(0);
     this.max = this.plane(this.cells);
-    this.finest = this.planes
-      ? this.planes.reduce((least, plane, i, all) => (i > 0 ? Math.min(least, plane - all[i - 1]!) : least), Number.POSITIVE_INFINITY)
-      : (this.max - this.min) / this.cells;
+    let thinnest = 0;
+    this.planes?.forEach((plane, i, all) => {
+      if (i + 1 < all.length && all[i + 1]! - plane < all[thinnest + 1]! - all[thinnest]!) thinnest = i;
+    });
+    this.thinnest = thinnest;
+    this.finest = this.planes ? this.plane(thinnest + 1) - this.plane(thinnest) : (this.max - this.min) / this.cells;
   }
 
   // Cell i lies between plane(i) and plane(i + 1).

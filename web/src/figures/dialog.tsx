@@ -154,6 +154,7 @@ function Content({ viewer }: { viewer: Viewer }) {
             Title from the view
           </button>
           <Switch label="Axes with coordinates" on={options.axes && is_slice} disabled={!is_slice} set={(axes) => set({ axes })} />
+          <Switch label="Lines between cells" on={options.lines && is_slice} disabled={!is_slice} set={(lines) => set({ lines })} />
           <Switch label="Scale bar" on={options.bar} set={(bar) => set({ bar })} />
           <Switch label="Legend of the materials that are seen" on={options.legend} set={(legend) => set({ legend })} />
         </div>

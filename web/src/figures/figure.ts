@@ -6,7 +6,7 @@ import type { Viewer } from "../state/viewer";
 import type { Rgb } from "../tiles/sets";
 import { length_text, round_length } from "../base/lengths";
 import { CanvasSheet } from "./canvas_sheet";
-import { type Layout, NARROWEST, SIZE, TITLE, laid_out } from "./layout";
+import { type Layout, NARROWEST, SIZE, TITLE, laid_out, planes_within } from "./layout";
 import { type FigureOptions, points_of } from "./options";
 import { with_density } from "./png";
 import { type Sheet, text_width } from "./sheet";
@@ -15,6 +15,7 @@ import type { Picture, Subject } from "./subject";
 import { SvgSheet } from "./svg_sheet";
 
 const LINE = 0.6; // points
+const HAIR = 0.15; // points: a line between cells
 const LEAST_TITLE = 6; // points: a long title is made smaller, down to this
 const BAR = 4; // the longest scale bar, as a part of the width
 
@@ -70,6 +71,14 @@ function draw(sheet: Sheet, viewer: Viewer, options: FigureOptions, { subject, l
     const room = layout.width - plot.x;
     const size = Math.max(Math.min(TITLE, (TITLE * room) / text_width(options.title, { size: TITLE, bold: true })), LEAST_TITLE);
     sheet.text(options.title, plot.x, layout.title, { size, bold: true, color: ink });
+  }
+  if (options.lines && subject.axes && subject.planes) {
+    const [across, up] = subject.planes;
+    for (const at of planes_within(across, subject.axes[0], plot.width)) sheet.line(plot.x + at, plot.y, plot.x + at, plot.y + plot.height, ink, HAIR);
+    for (const at of planes_within(up, subject.axes[1], plot.height)) {
+      const y = plot.y + plot.height - at;
+      sheet.line(plot.x, y, plot.x + plot.width, y, ink, HAIR);
+    }
   }
   if (options.axes && subject.axes) {
     sheet.frame(plot, ink, LINE);

@@ -1,4 +1,5 @@
 // Where the parts of a figure stand. Lengths are points from the upper left corner. Pure but for the widths of texts.
+import type { Axis } from "../base/axis";
 import { coordinate } from "../base/format";
 import { ticks } from "../base/ticks";
 import type { Box } from "./sheet";
@@ -80,4 +81,18 @@ export function laid_out({ width, aspect, title, axes, legend }: Wish, measure: 
     names: axes ? { across: across_name, up: LINE / 2 } : null,
     legend: places,
   };
+}
+
+const LEAST_CELL = 1.5; // points: smaller cells get no lines
+
+// Where planes lie within a picture of so many points, between cells that are large enough.
+export function planes_within(axis: Axis, { low, high }: Pick<Scale, "low" | "high">, size: number): number[] {
+  const zoom = size / (high - low);
+  const out: number[] = [];
+  const last = Math.min(axis.cells - 1, axis.cell_at(high));
+  for (let i = Math.max(1, axis.cell_at(low)); i <= last; ++i) {
+    const at = (axis.plane(i) - low) * zoom;
+    if (at > 0 && at < size && Math.min(axis.width(i - 1), axis.width(i)) * zoom >= LEAST_CELL) out.push(at);
+  }
+  return out;
 }

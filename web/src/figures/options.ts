@@ -11,6 +11,7 @@ export interface FigureOptions {
   readonly crop: "screen" | "content" | "whole"; // what is on the screen, what isn't clear, or all of it
   readonly ground: "white" | "clear" | "black";
   readonly axes: boolean; // coordinates beside the picture
+  readonly lines: boolean; // between cells that are large enough for it
   readonly bar: boolean; // a scale bar
   readonly legend: boolean; // the materials that are seen
   readonly title: string; // may be empty
@@ -25,6 +26,7 @@ export const STANDARD: FigureOptions = {
   crop: "content",
   ground: "white",
   axes: true,
+  lines: false,
   bar: false,
   legend: true,
   title: "",

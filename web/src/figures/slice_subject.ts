@@ -69,6 +69,7 @@ export async function slice_subject(viewer: Viewer, axis: AxisIndex, options: Fi
   return {
     aspect: (window.v1 - window.v0) / length,
     axes: [scale(u, window.u0, window.u1), scale(v, window.v0, window.v1)],
+    planes: [viewer.axes[u], viewer.axes[v]],
     length,
     async fetch(pixels, shapes, abort): Promise<Picture> {
       if (!shapes) {

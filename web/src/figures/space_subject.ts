@@ -70,6 +70,7 @@ export async function space_subject(viewer: Viewer, options: FigureOptions, grou
   return {
     aspect: (part.y1 - part.y0) / aspect / (part.x1 - part.x0),
     axes: null,
+    planes: null,
     length: whole_length * (part.x1 - part.x0),
     async fetch(pixels, _, abort): Promise<Picture> {
       const wanted = pixels / (part.x1 - part.x0);

@@ -1,4 +1,5 @@
 // What a figure is made of: a slice or the view in three dimensions. Each knows how to get what a picture of some width needs.
+import type { Axis } from "../base/axis";
 import type { Layout, Scale } from "./layout";
 import type { CanvasSheet } from "./canvas_sheet";
 import type { SvgSheet } from "./svg_sheet";
@@ -14,6 +15,7 @@ export interface Picture {
 export interface Subject {
   readonly aspect: number; // height divided by width
   readonly axes: readonly [Scale, Scale] | null;
+  readonly planes: readonly [Axis, Axis] | null; // between which its cells lie
   readonly length: number; // of the width, for a scale bar
   // `pixels`: of the width. With `shapes`, the picture can be outlined.
   fetch(pixels: number, shapes: boolean, signal: AbortSignal): Promise<Picture>;

@@ -24,7 +24,7 @@ export const slice_bindings: readonly Binding[] = [
   { keys: "c", does: "centre all views on the crosshair" },
   { keys: "a", does: "show or hide the crosshair and the axes" },
   { keys: "b", does: "show or hide the scale bar" },
-  { keys: "l", does: "show or hide the lines between cells" },
+  { keys: "l", does: "show or hide the lines between cells, and on graded axes the smallest one" },
   { keys: "o", does: "show or hide the outlines of materials" },
   { keys: "s", does: "show mixed cells by their shares, where the grid has them, or as cells of one material" },
   { keys: "m", does: "measure a distance with one drag; its ends snap to boundaries, with alt they do not" },

@@ -1,7 +1,7 @@
 // What is drawn above the cells of one view. It has a canvas of its own, so that no cells are painted when the
 // crosshair moves.
 import type { Box } from "../state/viewer";
-import { draw_border, draw_cell_lines, draw_crosshair, draw_rulers, draw_scale_bar } from "./overlay_axes";
+import { draw_border, draw_cell_lines, draw_crosshair, draw_rulers, draw_scale_bar, draw_smallest_cells } from "./overlay_axes";
 import { draw_box, draw_cut, draw_markers, draw_measure, draw_pin } from "./overlay_marks";
 import { Pen } from "./drawing/pen";
 import type { Scene, View } from "./view";
@@ -49,5 +49,6 @@ export function draw_marks(pen: Pen, level: number, draft: Box | null = null): v
   draw_pin(pen);
   draw_markers(pen, level);
   draw_measure(pen);
+  if (viewer.show_lines.value) draw_smallest_cells(pen);
   if (viewer.show_scale.value) draw_scale_bar(pen);
 }

@@ -34,6 +34,30 @@ export function draw_cell_lines(pen: Pen): void {
   lines(camera.up, seen.v0, seen.v1, (v) => camera.y_of(v), (y) => context.fillRect(left, y, right - left, one));
 }
 
+const MARK = 5; // CSS pixels: how far the mark of the smallest cell reaches into the view
+
+// Of axes with planes of their own: where the smallest cell is, which decides the time step of many solvers, along the upper and the right edge.
+export function draw_smallest_cells(pen: Pen): void {
+  const { camera, context, ink, frame, viewer } = pen;
+  const mark = (axis: Axis, from: number, to: number, room: number, draw: (at: number, length: number, text: string) => void) => {
+    const [low, high] = [Math.min(from, to), Math.max(from, to)];
+    if (!axis.graded || high < 0 || low > room) return;
+    const length = Math.max(high - low, 3);
+    draw((low + high - length) / 2, length, `smallest ${length_text(axis.finest, viewer.info.units)}`);
+  };
+  const { across, up } = camera;
+  mark(across, camera.x_of(across.plane(across.thinnest)), camera.x_of(across.plane(across.thinnest + 1)), camera.width, (x, width, text) => {
+    context.fillStyle = ink.axes[frame.u];
+    context.fillRect(x, 0, width, MARK);
+    if (x > 60 && x < camera.width - 60) pen.label(text, x + width / 2, MARK + 12, "center");
+  });
+  mark(up, camera.y_of(up.plane(up.thinnest)), camera.y_of(up.plane(up.thinnest + 1)), camera.height, (y, height, text) => {
+    context.fillStyle = ink.axes[frame.v];
+    context.fillRect(camera.width - MARK, y, MARK, height);
+    if (y > 30 && y < camera.height - 60) pen.label(text, camera.width - MARK - 8, y + height / 2, "right");
+  });
+}
+
 export function draw_border(pen: Pen): void {
   const { across, up } = pen.camera;
   pen.cells({ u0: 0, u1: across.cells, v0: 0, v1: up.cells }, pen.ink.border, { width: 1 });
