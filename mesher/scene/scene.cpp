@@ -179,7 +179,8 @@ void override_grid(Scene& scene, const GridOptions& options) {
   if (options.pad) {
     const auto fixed = [](const SceneAxis& axis) { return axis.min || !axis.planes.empty() || axis.made; };
     if (std::all_of(scene.axis.begin(), scene.axis.end(), fixed))
-      throw OptionError("pad: the scene fixes where every axis begins and ends, or has a pad of its own (\"auto\"), so there is no bodies' box to pad: leave it out");
+      throw OptionError(
+          "pad: the scene fixes where every axis begins and ends, or has a pad of its own (\"auto\"), so there is no bodies' box to pad: leave it out");
     scene.pad = *options.pad;
   }
   if (!options.longest_cells && !options.cells && !options.step) return;

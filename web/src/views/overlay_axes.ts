@@ -34,28 +34,31 @@ export function draw_cell_lines(pen: Pen): void {
   lines(camera.up, seen.v0, seen.v1, (v) => camera.y_of(v), (y) => context.fillRect(left, y, right - left, one));
 }
 
-const MARK = 5; // CSS pixels: how far the mark of the smallest cell reaches into the view
+const MARK = 5; // CSS pixels: the thickness of the mark of the smallest cell
+const BELOW_TITLE = 42; // CSS pixels: the title of a view ends above
+const TEXT = 130; // CSS pixels: as much as the mark's text takes
 
-// Of axes with planes of their own: where the smallest cell is, which decides the time step of many solvers, along the upper and the right edge.
+// Of axes with planes of their own: where the smallest cell is, which decides the time step of many solvers, above and right of the grid.
 export function draw_smallest_cells(pen: Pen): void {
   const { camera, context, ink, frame, viewer } = pen;
-  const mark = (axis: Axis, from: number, to: number, room: number, draw: (at: number, length: number, text: string) => void) => {
-    const [low, high] = [Math.min(from, to), Math.max(from, to)];
-    if (!axis.graded || high < 0 || low > room) return;
-    const length = Math.max(high - low, 3);
-    draw((low + high - length) / 2, length, `smallest ${length_text(axis.finest, viewer.info.units)}`);
-  };
-  const { across, up } = camera;
-  mark(across, camera.x_of(across.plane(across.thinnest)), camera.x_of(across.plane(across.thinnest + 1)), camera.width, (x, width, text) => {
+  const { across, up, width, height } = camera;
+  const text = (axis: Axis) => `smallest ${length_text(axis.finest, viewer.info.units)}`;
+  const stretch = (a: number, b: number): [number, number] => [Math.min(a, b), Math.max(Math.abs(b - a), 3)];
+  if (across.graded) {
+    const [x, length] = stretch(camera.x_of(across.plane(across.thinnest)), camera.x_of(across.plane(across.thinnest + 1)));
+    const y = Math.min(Math.max(camera.y_of(up.max) - MARK, BELOW_TITLE), height - BELOW_TITLE);
     context.fillStyle = ink.axes[frame.u];
-    context.fillRect(x, 0, width, MARK);
-    if (x > 60 && x < camera.width - 60) pen.label(text, x + width / 2, MARK + 12, "center");
-  });
-  mark(up, camera.y_of(up.plane(up.thinnest)), camera.y_of(up.plane(up.thinnest + 1)), camera.height, (y, height, text) => {
+    context.fillRect(x, y, length, MARK);
+    if (x > 0 && x < width) pen.label(text(across), Math.min(Math.max(x, TEXT / 2), width - TEXT / 2), y > BELOW_TITLE + 20 ? y - 11 : y + MARK + 11, "center");
+  }
+  if (up.graded) {
+    const [y, length] = stretch(camera.y_of(up.plane(up.thinnest)), camera.y_of(up.plane(up.thinnest + 1)));
+    const x = Math.min(Math.max(camera.x_of(across.max), 0), width - MARK);
     context.fillStyle = ink.axes[frame.v];
-    context.fillRect(camera.width - MARK, y, MARK, height);
-    if (y > 30 && y < camera.height - 60) pen.label(text, camera.width - MARK - 8, y + height / 2, "right");
-  });
+    context.fillRect(x, y, MARK, length);
+    const beside = x + MARK + TEXT < width;
+    if (y > BELOW_TITLE && y < height - BELOW_TITLE) pen.label(text(up), beside ? x + MARK + 7 : x - 7, y + length / 2, beside ? "left" : "right");
+  }
 }
 
 export function draw_border(pen: Pen): void {
