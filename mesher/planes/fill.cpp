@@ -291,6 +291,13 @@ class Sum {
 
 // Adds the planes after the lower one, up to the upper one. Widths lie between those of the narrowest and the widest row.
 void add_planes(const Segment& s, const Choice& c, double finest, const Growth& g, std::vector<double>& planes) {
+  // Equal cells are written as people would write them.
+  const double equal = s.length() / static_cast<double>(c.cells);
+  if (std::abs(c.first - equal) + std::abs(c.last - equal) < 1e-9 * equal && equal > s.most * (1 - 1e-9)) {
+    for (int64_t i = 1; i < c.cells; ++i) planes.push_back(s.lo + s.length() * (static_cast<double>(i) / static_cast<double>(c.cells)));
+    planes.push_back(s.hi);
+    return;
+  }
   const double least = least_width(s, finest);
   const auto low = [&](int64_t i) { return narrowest(g, c.first, c.last, least, c.cells, i); };
   const auto high = [&](int64_t i) { return widest(g, c.first, c.last, s.most, c.cells, i); };

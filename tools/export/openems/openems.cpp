@@ -61,7 +61,8 @@ class Xml {
     if (!metal) add(fmt::format("        <Property Epsilon=\"{}\" Mue=\"{}\" Kappa=\"{}\" Sigma=\"0\"/>\n", m.epsilon, m.mu, m.sigma));
     add("        <Primitives>\n");
     for (const MaterialBox& box : boxes) {
-      add("          <Box Priority=\"1\">");
+      // Edges between a metal and another material conduct, which openEMS leaves to the priorities.
+      add(fmt::format("          <Box Priority=\"{}\">", metal ? 2 : 1));
       add_point("P1", box.lo);
       add_point("P2", box.hi);
       add("</Box>\n");
