@@ -73,6 +73,7 @@ void read_kernel_facets(const Descriptor& file, uint64_t size, const std::string
   const JsonNode root(json, "the CAD kernel's facets");
   const JsonNode shape_list = root.require("shapes");
   const std::vector<JsonNode> list = shape_list.items(facts.size());
+  const double length = factor.value();
   for (size_t i = 0; i < list.size(); ++i) {
     const JsonNode& s = list[i];
     CadShape& shape = facts[i];
@@ -81,7 +82,7 @@ void read_kernel_facets(const Descriptor& file, uint64_t size, const std::string
     shape.facet_volume = s.require("facet_volume").number();
     shape.facet_area = s.require("facet_area").number();
     shape.kernel_volume = s.number_or_null("kernel_volume");
-    shape.scale(std::pow(factor.value(), 3), std::pow(factor.value(), 2));
+    shape.scale(length * length * length, length * length);
     const uint64_t vertices = s.require("vertices").whole(in.left() / sizeof(Vec3));
     const uint32_t set = shapes.begin_vertices(false);
     for (uint64_t v = 0; v < vertices; ++v) shapes.add_vertex(vertex_in(in), factor, name);
