@@ -10,6 +10,7 @@ namespace teracell::mesher {
 struct DryRun {
   Plan plan;
   uint64_t facets = 0;
+  double read_seconds = 0;                               // measured
   double seconds = 0, memory_bytes = 0, file_bytes = 0;  // estimates: of casting with so many threads as asked for, and of the file
 };
 

@@ -83,9 +83,10 @@ void say_dry_run(const mesher::DryRun& run, int threads) {
   write("rays",
         fmt::format("along {}, about {} facet crossings of {} facets", axis_name(meta.ray_axis),
                     fmt::group_digits(static_cast<uint64_t>(std::min(run.plan.rays.crossings[meta.ray_axis], 1e18))), fmt::group_digits(run.facets)));
-  write("estimates", fmt::format("{} s to cast on {}, {} of memory, a file of {}; nothing was written",
-                                 run.seconds < 0.01 ? "less than 0.01" : "about " + number_text(run.seconds, 2),
-                                 plural(static_cast<uint64_t>(threads), "thread"), bytes_text(run.memory_bytes), bytes_text(run.file_bytes)));
+  const auto seconds = [](double s) { return s < 0.01 ? "less than 0.01" : "about " + number_text(s, 2); };
+  write("estimates", fmt::format("{} s to read the surfaces, as now, and {} s to cast on {}; {} of memory, a file of {}; nothing was written",
+                                 seconds(run.read_seconds), seconds(run.seconds), plural(static_cast<uint64_t>(threads), "thread"),
+                                 bytes_text(run.memory_bytes), bytes_text(run.file_bytes)));
   if (run.plan.planes) warn_in_short(run.plan.planes->warnings, "more: mesh it, and see teracell info");
 }
 
