@@ -1,6 +1,8 @@
 #include "mesher/planes/breaches.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 namespace teracell::mesher {
 
@@ -21,10 +23,12 @@ void add_breaches(int axis, const std::vector<double>& planes, const std::vector
     while (piece + 1 != widths.pieces().end() && piece->hi <= lo) ++piece;
     double most = kept[gap] - kept[gap - 1];
     for (auto p = piece; p != widths.pieces().end() && p->lo < hi; ++p) most = std::min(most, p->most);
-    if (width * kOver < rules.finest) add(PlaneBreach::Rule::kFinest, lo, width, rules.finest);
-    if (width > most * kOver) add(PlaneBreach::Rule::kWidth, lo, width, most);
-    if (const double ratio = std::max(width, before) / std::min(width, before); i > 0 && ratio > rules.growth * kOver)
-      add(PlaneBreach::Rule::kGrowth, lo, ratio, rules.growth);
+    const double rounding = 4 * std::numeric_limits<double>::epsilon() * std::max(std::abs(lo), std::abs(hi));  // of both planes
+    if (width * kOver + rounding < rules.finest) add(PlaneBreach::Rule::kFinest, lo, width, rules.finest);
+    if (width > most * kOver + rounding) add(PlaneBreach::Rule::kWidth, lo, width, most);
+    const double wide = std::max(width, before), narrow = std::min(width, before);
+    if (i > 0 && wide > narrow * rules.growth * kOver + (1 + rules.growth) * rounding)
+      add(PlaneBreach::Rule::kGrowth, lo, wide / narrow, rules.growth);
     before = width;
   }
 }

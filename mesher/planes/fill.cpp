@@ -334,8 +334,9 @@ void mirror(std::vector<double>& planes, int64_t in_middle, double hi) {
   for (size_t i = planes.size() - has_middle_plane; i-- > 0;) planes.push_back(hi - (planes[i] - lo));
 }
 
-void refuse_many(int64_t cells, int64_t most) {
-  throw UsageError(fmt::format("expected at most {} cells along an axis, found {}: make \"finest\" or \"coarsest\" larger", most, cells));
+void expect_few(double cells, int64_t most) {
+  if (cells <= static_cast<double>(most)) return;
+  throw UsageError(fmt::format("expected at most {} cells along an axis, found {:.6g}: make \"finest\" or \"coarsest\" larger", most, cells));
 }
 
 }  // namespace
@@ -356,13 +357,16 @@ std::vector<double> fill_between(const std::vector<double>& kept, const Widths& 
       middle_inside = segments.back().hi > middle + kSlack * (hi - lo);
       if (middle_inside) segments.back().hi = hi - (segments.back().lo - lo);
     }
+    double least = 0;  // as few cells as there can be: numbers of them must not overflow
+    for (const Segment& s : segments) least += s.length() / s.most;
+    expect_few(least, most);
     const Filling filling(segments, finest, g);
     choices = filling.choose(middle_inside, roomy);
     if (!choices && roomy) choices = filling.uniform();
   }
   int64_t cells = 0;
   for (const Choice& c : *choices) cells += c.cells;
-  if (cells > most) refuse_many(cells, most);
+  expect_few(static_cast<double>(cells), most);
   std::vector<double> planes = {lo};
   planes.reserve(static_cast<size_t>(mirrored ? 2 * cells : cells) + 1);
   for (size_t i = 0; i < segments.size(); ++i) add_planes(segments[i], (*choices)[i], finest, g, planes);

@@ -12,7 +12,7 @@ std::filesystem::path planes_path(const std::filesystem::path& folder, int axis)
 void write_planes(const Grid& grid, const std::filesystem::path& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
-  if (error) throw IoError(fmt::format("{}: can't make this folder: {}", folder.string(), error.message()), Remedy::kOtherFolder);
+  if (error) throw IoError(fmt::format("{}: can't make this folder for planes: {}", folder.string(), error.message()));
   constexpr int64_t kTogether = 4096;  // planes
   for (int d = 0; d < 3; ++d) {
     const Axis& axis = grid.axis[d];

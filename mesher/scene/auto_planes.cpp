@@ -44,6 +44,7 @@ AutoPlanes parse(const JsonNode& node) {
   out.finest = node.require("finest").positive();
   const JsonNode coarsest = node.require("coarsest");
   check_width(coarsest, out.coarsest = coarsest.positive(), out.finest);
+  if (!(out.coarsest <= 1e60)) coarsest.fail("a length up to 1e60");
   if (const auto n = node.find("growth")) {
     out.growth = n->number();
     if (!(out.growth >= kLeastGrowth && out.growth <= kMostGrowth)) n->fail(fmt::format("a factor from {} to {}", kLeastGrowth, kMostGrowth));

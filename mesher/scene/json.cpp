@@ -134,6 +134,7 @@ void parse_grid(const JsonNode& grid, const fs::path& folder, Scene& scene) {
   }
 
   if (const auto made = grid.find("auto")) {
+    if (grid.find("pad")) throw UsageError(fmt::format("{}: auto and pad exclude each other: \"auto\" has a \"pad\" of its own", grid.where()));
     const std::array<AutoPlanes, 3> of_axis = parse_auto_of_grid(*made);
     for (int a = 0; a < 3; ++a) scene.axis[a].made = of_axis[a];
   }

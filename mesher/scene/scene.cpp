@@ -184,13 +184,15 @@ void override_grid(Scene& scene, const GridOptions& options) {
     scene.pad = *options.pad;
   }
   if (!options.longest_cells && !options.cells && !options.step) return;
-  if (std::ranges::any_of(scene.axis, [](const SceneAxis& axis) { return axis.made.has_value(); }))
+  const auto made = [](const SceneAxis& axis) { return axis.made.has_value(); };
+  if (std::ranges::all_of(scene.axis, made) || (options.cells && std::ranges::any_of(scene.axis, made)))
     throw OptionError(fmt::format("{}: the scene has its planes made (\"auto\"), which excludes cells and step", options.step ? "step" : "cells"));
 
   scene.longest_cells = options.longest_cells;
   int graded = 0;
   for (int a = 0; a < 3; ++a) {
     SceneAxis& axis = scene.axis[a];
+    if (axis.made) continue;
     if (axis.planes.empty()) {
       axis.cells = options.cells ? std::optional((*options.cells)[a]) : std::nullopt;
       axis.step = options.step;

@@ -48,7 +48,7 @@ PlanesReport planes_in(std::string_view report) try {
 
 // Of grids with planes of their own: how wide their cells are, and what is to be said of planes that were made.
 void write_planes(JsonWriter& out, const Grid& grid, std::string_view report) {
-  if (std::ranges::none_of(grid.axis, &Axis::is_graded)) return;
+  if (std::none_of(grid.axis.begin(), grid.axis.end(), [](const Axis& a) { return a.is_graded(); })) return;
   CellWidths all = cell_widths(grid.axis[0]);
   for (const Axis& axis : grid.axis) {
     const CellWidths w = cell_widths(axis);

@@ -175,12 +175,22 @@ class Scenes(Case):
     def test_wrong_rules_for_planes_are_usage_errors(self):
         for auto, words in (({"finest": 2}, "at least twice"), ({"growth": 1}, "growth"), ({"resolution": {"c": {"step": 1}}}, "found \"c\""),
                             ({"resolution": {"a": {"step": 0.3}}}, "at least twice"), ({"snap": "thirds"}, "metals"), ({"snap": "edges"}, "snap"),
-                            ({"fixed": {"x": [99]}}, "99"), ({"fixed": [1]}, "fixed"), ({"coarse": 1}, "coarse")):
+                            ({"fixed": {"x": [99]}}, "99"), ({"fixed": [1]}, "fixed"), ({"coarse": 1}, "coarse"), ({"coarsest": 1e308}, "1e60"),
+                            ({"finest": 1e-30, "coarsest": 1e-29}, "cells along an axis")):
             self.write("s.json", {"grid": {"auto": {"finest": 0.25, "coarsest": 2, **auto}}, "materials": {"air": {}, "steel": {}},
                                   "bodies": [{"name": "a", "mesh": "a.stl", "material": "steel"}]})
             self.refused(2, [words], "mesh", "s.json", "-o", "h.tcell")
-        self.write("s.json", {"grid": {"auto": {"finest": 0.25, "coarsest": 2}, "step": 1}, "materials": {"air": {}}, "bodies": []})
-        self.refused(2, ["exclude each other"], "mesh", "s.json", "-o", "h.tcell")
+        for more in ({"step": 1}, {"pad": 2}):
+            self.write("s.json", {"grid": {"auto": {"finest": 0.25, "coarsest": 2}, **more}, "materials": {"air": {}}, "bodies": []})
+            self.refused(2, ["exclude each other"], "mesh", "s.json", "-o", "h.tcell")
+
+    def test_one_axis_may_have_made_planes_beside_others_that_options_decide(self):
+        self.mesh([{"name": "a", "mesh": "a.stl", "material": "steel"}], {"x": {"auto": {"finest": 0.5, "coarsest": 1, "pad": 2}}, "step": 1})
+        self.run_ok("mesh", "s.json", "--step", 0.5, "-o", "h.tcell")
+        for grid, cells in (("g.tcell", [8, 6, 6]), ("h.tcell", [8, 10, 10])):
+            self.assertEqual(self.json_of("info", grid)["grid"]["cells"], cells)
+        self.refused(2, ["made"], "mesh", "s.json", "--cells", "1,2,3", "-o", "h.tcell")
+        self.refused(2, ["--report", "--dry-run"], "mesh", "s.json", "--dry-run", "--report", "r.json")
 
     def test_transforms(self):
         body = {"mesh": "a.stl", "material": "steel"}

@@ -54,7 +54,7 @@ TEST_CASE("A resolution within a gap has whole cells, and those beside it grow f
 }
 
 TEST_CASE("More cells than are allowed are a usage error before there is memory for them", "[planes]") {
-  CHECK_THROWS_AS(filled({0, 1e12}, 0.01, 0.02, 1.3), UsageError);
+  for (const double finest : {1e-2, 1e-20, 1e-30, 1e-300}) CHECK_THROWS_AS(filled({0, 1e12}, finest, 2 * finest, 1.3), UsageError);
 }
 
 TEST_CASE("The lengths of rows are the sums of their cells, and logarithms are those of the library", "[planes]") {

@@ -1,5 +1,7 @@
 // teracell mesh: a scene or bare surfaces in, a .tcell file out.
 
+#include <fmt/format.h>
+
 #include "mesher/pipeline.hpp"
 #include "store/base/error.hpp"
 #include "store/base/output_file.hpp"
@@ -15,6 +17,8 @@ namespace teracell::cli {
 namespace {
 
 void run_dry(const MeshArguments& o, const mesher::Scene& scene) {
+  for (const auto& [option, text] : {std::pair{"--report", &o.report}, {"--shard", &o.shard}, {"--write-caps", &o.caps}})
+    if (!text->empty()) throw UsageError(fmt::format("{}: expected a run that writes a grid, found --dry-run", option));
   check_planes(o, scene);
   const std::atomic<bool>& interrupted = watch_interrupts();
   std::optional<mesher::DryRun> found;
