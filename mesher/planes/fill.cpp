@@ -97,8 +97,8 @@ struct Row {
         [&](double a) { return reserve(g, a, a, n); });
   }
   // The fewest cells of which the widest row is long enough.
-  int64_t fewest(const Growth& g, double first, double last, int64_t from) const {
-    int64_t lo = std::max<int64_t>(from, 1), hi = lo;
+  int64_t fewest(const Growth& g, double first, double last) const {
+    int64_t lo = 1, hi = 1;
     const auto enough = [&](int64_t n) { return widest_between(g, first, last, n) >= length * (1 - kSlack); };
     while (!enough(hi)) lo = hi + 1, hi *= 2;
     while (lo < hi) {
@@ -212,7 +212,7 @@ class Filling {
       const Way& way = before[w];
       const Interval first = firsts(row, way, breaks);
       if (first.empty()) continue;
-      const int64_t fewest = r.fewest(growth_, first.hi, equal_ends ? std::min(first.hi, r.last_most) : r.last_most, 1);
+      const int64_t fewest = r.fewest(growth_, first.hi, equal_ends ? std::min(first.hi, r.last_most) : r.last_most);
       for (int64_t n = fewest; n <= fewest + spare; ++n) {
         const Interval last = equal_ends ? r.both(growth_, first, n) : r.reach(growth_, first, n);
         if (!last.empty()) out.push_back({way.breaches + breaks, equal_ends ? 2 * way.cells + n : way.cells + n, last, w, n, breaks});

@@ -38,11 +38,4 @@ std::vector<WidthPiece> Widths::within(double lo, double hi) const {
   return out;
 }
 
-double Widths::least(double lo, double hi) const {
-  auto p = std::ranges::upper_bound(pieces_, lo, {}, &WidthPiece::hi);
-  double out = p == pieces_.end() ? pieces_.back().most : p->most;
-  for (; p != pieces_.end() && p->lo < hi; ++p) out = std::min(out, p->most);
-  return out;
-}
-
 }  // namespace teracell::mesher

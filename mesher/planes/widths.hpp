@@ -22,8 +22,6 @@ class Widths {
   const std::vector<WidthPiece>& pieces() const { return pieces_; }
   // Those of [lo, hi], cut at its ends.
   std::vector<WidthPiece> within(double lo, double hi) const;
-  // The least within the open interval.
-  double least(double lo, double hi) const;
 
  private:
   std::vector<WidthPiece> pieces_;
