@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <numeric>
 #include <optional>
 #include <tuple>
 
@@ -125,23 +127,25 @@ struct Row {
   }
 };
 
-// The cells of a row, once its ends are chosen.
+// The cells of a segment, once the ends of its row are chosen.
 struct Choice {
+  size_t segment;
   int64_t cells;
   double first, last;
 };
 
-// Ways to fill the segments up to some place with so many cells in all; the last of them can have any width of an interval.
+// Ways to fill the axis up to some place with so many cells in all; the last of them can have any width of an interval.
 struct Way {
-  int64_t breaches;  // of growth
-  int64_t cells;
+  int64_t breaches;
+  int64_t cells;  // of a symmetric axis whose middle a row lies across: of all of it
   Interval last;
-  size_t before;    // the way up to the lower end of the last segment
-  int64_t in_last;  // cells of the last segment
-  bool breaks;      // at that lower end the growth is exceeded
+  size_t segment;   // the last one
+  size_t before;    // the way up to its lower end
+  int64_t in_last;  // its cells
+  bool breaks;      // at its lower end the growth is exceeded
 };
 
-const Way kStart = {0, 0, {0, HUGE_VAL}, 0, 0, false};
+const Way kStart = {0, 0, {0, HUGE_VAL}, 0, 0, 0, false};
 
 // No cell is narrower, but for the rounding of places.
 double least_width(const Segment& s, double finest) {
@@ -150,37 +154,39 @@ double least_width(const Segment& s, double finest) {
 
 class Filling {
  public:
-  Filling(const std::vector<Segment>& segments, double finest, const Growth& growth) : growth_(growth) {
-    const double any_length = static_cast<double>(cells_of_any_length(growth.factor)) * finest * (1 - 1e-9);
-    bool after_short = false;
-    for (const Segment& s : segments) {
-      const bool is_short = s.length() < any_length;
-      rows_.push_back({s.length(), s.most, least_width(s, finest), s.most, s.most, s.at_candidate && (is_short || after_short)});
-      after_short = is_short;
+  Filling(const Cuts& cuts, double finest, const Growth& growth) : growth_(growth), segments_(cuts.segments), into_(cuts.places + 1) {
+    std::vector<bool> after_short(cuts.places);  // the gap below the place
+    for (const Segment& s : segments_) {
+      after_short[s.to] = s.in_short_gap;
+      rows_.push_back({s.length(), s.most, least_width(s, finest), s.most, s.most, s.at_candidate && (s.in_short_gap || after_short[s.from])});
+      ++into_[s.to + 1];
     }
+    std::partial_sum(into_.begin(), into_.end(), into_.begin());
     limit_ends();
   }
 
-  // As few cells as possible; nothing where no way was found. `mirrored`: the last row is the middle one of a symmetric axis, whose ends are equal.
-  // Fewer cells here may mean more of them there, the more so the slower widths grow, so ways with some more cells are followed as well.
-  std::optional<std::vector<Choice>> choose(bool mirrored, bool persistent) const {
-    const auto affordable = static_cast<int64_t>(kWork / static_cast<double>(rows_.size()));
+  // As few cells as possible; nothing where no way was found. Fewer cells here may mean more of them there, the more so the slower widths grow, so
+  // ways with some more cells are followed as well.
+  std::optional<std::vector<Choice>> choose(bool persistent) const {
+    const auto affordable = static_cast<int64_t>(kWork / static_cast<double>(into_.size()));
     const int64_t usual = std::clamp<int64_t>(affordable, 2, std::min<int64_t>(cells_of_any_length(growth_.factor) + 2, 10));
     std::optional<std::vector<Choice>> out;
-    for (int64_t spare = usual; !out && spare <= (persistent ? 4 * usual : usual); spare *= 2) out = choose_within(mirrored, spare);
+    for (int64_t spare = usual; !out && spare <= (persistent ? 4 * usual : usual); spare *= 2) out = choose_within(spare);
     return out;
   }
 
-  // Rows of equal cells as narrow as can be: neighbours don't differ by more than the growth where segments are long enough for it.
+  // Rows of equal cells as narrow as can be: neighbours don't differ by more than the growth where segments are long enough for it. REQUIRES: there
+  // is one segment to each place.
   std::vector<Choice> uniform() const {
     std::vector<Choice> out;
     for (const Row& r : rows_) {
       const auto cells = std::max<int64_t>(1, static_cast<int64_t>(std::floor(r.length / r.least * (1 + 1e-9))));
-      out.push_back({cells, r.length / static_cast<double>(cells), r.length / static_cast<double>(cells)});
+      out.push_back({out.size(), cells, r.length / static_cast<double>(cells), r.length / static_cast<double>(cells)});
     }
     return out;
   }
 
+ private:
   // A sequence of cells that starts with width w and fills the length ends with no more than w + (factor - 1) / factor * (length - w).
   double widest_end(double start, double length) const { return std::max(start, (start + length * (growth_.factor - 1)) / growth_.factor); }
   static double least_end(const Row& row) { return row.length / std::max(1.0, std::floor(row.length / row.least * (1 + 1e-9))); }
@@ -188,15 +194,21 @@ class Filling {
   // Neighbours limit the ends of rows, from both sides. At places where the growth may break they don't fall below what whole cells can be.
   void limit_ends() {
     const double g = growth_.factor;
+    std::vector<double> widest(into_.size());  // of the cells that end at a place
+    widest[0] = HUGE_VAL;
     for (size_t i = 0; i < rows_.size(); ++i) {
       Row& r = rows_[i];
-      if (i > 0) r.first_most = std::min(r.first_most, std::max(rows_[i - 1].last_most * g, least_end(r)));
+      r.first_most = std::min(r.first_most, std::max(widest[segments_[i].from] * g, least_end(r)));
       r.last_most = std::min(r.last_most, widest_end(r.first_most, r.length));
+      widest[segments_[i].to] = std::max(widest[segments_[i].to], r.last_most);
     }
+    std::ranges::fill(widest, 0);  // of the cells that begin there
+    widest[into_.size() - 2] = HUGE_VAL;
     for (size_t i = rows_.size(); i-- > 0;) {
       Row& r = rows_[i];
-      if (i + 1 < rows_.size()) r.last_most = std::min(r.last_most, std::max(rows_[i + 1].first_most * g, least_end(r)));
+      r.last_most = std::min(r.last_most, std::max(widest[segments_[i].to] * g, least_end(r)));
       r.first_most = std::min(r.first_most, widest_end(r.last_most, r.length));
+      widest[segments_[i].from] = std::max(widest[segments_[i].from], r.first_most);
     }
   }
 
@@ -206,24 +218,29 @@ class Filling {
     return {std::max(r.least, before.last.lo / growth_.factor), std::min(r.first_most, before.last.hi * growth_.factor)};
   }
 
-  void extend(size_t row, const std::vector<Way>& before, bool breaks, bool equal_ends, int64_t spare, std::vector<Way>& out) const {
+  void extend(size_t row, const std::vector<Way>& before, bool breaks, int64_t spare, int64_t& least, std::vector<Way>& out) const {
     const Row& r = rows_[row];
+    const bool equal_ends = segments_[row].across_middle;
     for (size_t w = 0; w < before.size(); ++w) {
       const Way& way = before[w];
       const Interval first = firsts(row, way, breaks);
       if (first.empty()) continue;
+      const int64_t breaches = way.breaches + breaks + segments_[row].breaks_width;
       const int64_t fewest = r.fewest(growth_, first.hi, equal_ends ? std::min(first.hi, r.last_most) : r.last_most);
-      for (int64_t n = fewest; n <= fewest + spare; ++n) {
+      const int64_t cells = equal_ends ? 2 * way.cells : way.cells;
+      for (int64_t n = fewest; n <= fewest + spare && cells + n <= least + spare; ++n) {
         const Interval last = equal_ends ? r.both(growth_, first, n) : r.reach(growth_, first, n);
-        if (!last.empty()) out.push_back({way.breaches + breaks, equal_ends ? 2 * way.cells + n : way.cells + n, last, w, n, breaks});
-        else if (n > 1 && r.excess(growth_, std::max(r.least, first.lo), r.least, n) > 0) break;
+        if (!last.empty()) {
+          out.push_back({breaches, cells + n, last, row, w, n, breaks});
+          if (breaches == 0) least = std::min(least, cells + n);
+        } else if (n > 1 && r.excess(growth_, std::max(r.least, first.lo), r.least, n) > 0) break;
       }
     }
   }
 
   // The best first. A way is of no use where another of no more breaches and cells reaches as much.
   static void prune(std::vector<Way>& ways, int64_t spare) {
-    std::ranges::sort(ways, [](const Way& a, const Way& b) {
+    std::ranges::stable_sort(ways, [](const Way& a, const Way& b) {
       return std::tie(a.breaches, a.cells, b.last.hi, a.last.lo) < std::tie(b.breaches, b.cells, a.last.hi, b.last.lo);
     });
     std::vector<Way> out;
@@ -237,41 +254,48 @@ class Filling {
     ways = std::move(out);
   }
 
-  std::optional<std::vector<Choice>> choose_within(bool mirrored, int64_t spare) const {
-    std::vector<std::vector<Way>> ways(rows_.size());
-    const std::vector<Way> start = {kStart};
-    for (size_t i = 0; i < rows_.size(); ++i) {
-      const bool equal_ends = mirrored && i + 1 == rows_.size();
-      const std::vector<Way>& before = i > 0 ? ways[i - 1] : start;
-      extend(i, before, false, equal_ends, spare, ways[i]);
-      if (i > 0 && rows_[i].may_break) extend(i, before, true, equal_ends, spare, ways[i]);
-      if (ways[i].empty()) return std::nullopt;
-      prune(ways[i], spare);
+  std::optional<std::vector<Choice>> choose_within(int64_t most_spare) const {
+    std::vector<std::vector<Way>> ways(into_.size() - 1);  // up to each place
+    ways[0] = {kStart};
+    for (size_t place = 1; place < ways.size(); ++place) {
+      int64_t least = std::numeric_limits<int64_t>::max() / 2;  // cells of a way without a breach
+      const bool has_choice = into_[place + 1] - into_[place] > 1;  // which gives more ways than a few more cells do
+      const int64_t spare = has_choice ? std::min<int64_t>(most_spare, 2) : most_spare;
+      for (size_t i = into_[place]; i < into_[place + 1]; ++i) {
+        const std::vector<Way>& before = ways[segments_[i].from];
+        extend(i, before, false, spare, least, ways[place]);
+        if (segments_[i].from > 0 && rows_[i].may_break) extend(i, before, true, spare, least, ways[place]);
+      }
+      prune(ways[place], spare);
     }
-    return choices(ways, mirrored);
+    if (ways.back().empty()) return std::nullopt;
+    return choices(ways);
   }
 
   // From the last row to the first, each with the ends that those behind it leave.
-  std::vector<Choice> choices(const std::vector<std::vector<Way>>& ways, bool mirrored) const {
-    std::vector<Choice> out(rows_.size());
-    size_t w = 0;  // the one with the fewest cells
-    double last = ways.back()[0].last.middle();
-    for (size_t i = rows_.size(); i-- > 0;) {
-      const Way& way = ways[i][w];
-      const Way& before = i > 0 ? ways[i - 1][way.before] : kStart;
-      last = way.last.clamp(last);
-      const bool equal_ends = mirrored && i + 1 == rows_.size();
-      const Interval first = firsts(i, before, way.breaks);
-      const double a = equal_ends ? last : first.clamp(rows_[i].back(growth_, first, last, way.in_last).middle());
-      out[i] = {way.in_last, way.in_last == 1 ? rows_[i].length : a, way.in_last == 1 ? rows_[i].length : last};
-      w = way.before;
-      last = a;
+  std::vector<Choice> choices(const std::vector<std::vector<Way>>& ways) const {
+    std::vector<Choice> out;
+    const Way* way = ways.back().data();  // the one with the fewest cells
+    double last = way->last.middle();
+    while (way->in_last > 0) {
+      const Segment& s = segments_[way->segment];
+      const Row& row = rows_[way->segment];
+      const Way& before = ways[s.from][way->before];
+      last = way->last.clamp(last);
+      const Interval first = firsts(way->segment, before, way->breaks);
+      const double a = s.across_middle ? last : first.clamp(row.back(growth_, first, last, way->in_last).middle());
+      const bool single = way->in_last == 1;
+      out.push_back({way->segment, way->in_last, single ? row.length : a, single ? row.length : last});
       last = Interval{std::max(before.last.lo, a / growth_.factor), std::min(before.last.hi, a * growth_.factor)}.clamp(a);
+      way = &before;
     }
+    std::ranges::reverse(out);
     return out;
   }
 
   const Growth growth_;
+  const std::vector<Segment>& segments_;
+  std::vector<size_t> into_;  // the first segment to each place
   std::vector<Row> rows_;
 };
 
@@ -289,25 +313,34 @@ class Sum {
   double value_ = 0, lost_ = 0;
 };
 
-// Adds the planes after the lower one, up to the upper one. Widths lie between those of the narrowest and the widest row.
+// Adds the planes after the lower one, up to the upper one.
 void add_planes(const Segment& s, const Choice& c, double finest, const Growth& g, std::vector<double>& planes) {
-  // Equal cells are written as people would write them.
   const double equal = s.length() / static_cast<double>(c.cells);
-  if (std::abs(c.first - equal) + std::abs(c.last - equal) < 1e-9 * equal && equal > s.most * (1 - 1e-9)) {
-    for (int64_t i = 1; i < c.cells; ++i) planes.push_back(s.lo + s.length() * (static_cast<double>(i) / static_cast<double>(c.cells)));
+  if (std::abs(c.first - equal) + std::abs(c.last - equal) < 1e-9 * equal) {
+    // Equal cells are written as people would write them.
+    const double rounding = 2 * std::numeric_limits<double>::epsilon() * std::max(std::abs(s.lo), std::abs(s.hi));
+    const double step = std::abs(s.length() - s.most * static_cast<double>(c.cells)) <= rounding ? s.most : equal;
+    for (int64_t i = 1; i < c.cells; ++i) planes.push_back(s.lo + step * static_cast<double>(i));
     planes.push_back(s.hi);
     return;
   }
+  // Widths lie between those of the narrowest and the widest row. What rounding leaves goes to cells that may be wider.
   const double least = least_width(s, finest);
   const auto low = [&](int64_t i) { return narrowest(g, c.first, c.last, least, c.cells, i); };
   const auto high = [&](int64_t i) { return widest(g, c.first, c.last, s.most, c.cells, i); };
-  Sum lows, highs, at;
-  for (int64_t i = 0; i < c.cells; ++i) lows.add(low(i)), highs.add(high(i));
+  const auto is_widest = [&](int64_t i) { return high(i) >= s.most * (1 - 1e-9); };
+  Sum lows, highs, widest_cells, at;
+  for (int64_t i = 0; i < c.cells; ++i) {
+    lows.add(low(i)), highs.add(high(i));
+    if (is_widest(i)) widest_cells.add(s.most);
+  }
   const double room = highs.value() - lows.value();
   const double share = room > 0 ? std::clamp((s.length() - lows.value()) / room, 0.0, 1.0) : 0;
-  const double scale = s.length() / (lows.value() + share * room);
+  const double kept = share == 1 ? widest_cells.value() : 0;
+  const double scale = (s.length() - kept) / (lows.value() + share * room - kept);
   for (int64_t i = 0; i + 1 < c.cells; ++i) {
-    at.add((low(i) + share * (high(i) - low(i))) * scale);
+    const double width = share == 1 ? high(i) : low(i) + share * (high(i) - low(i));
+    at.add(kept > 0 && is_widest(i) ? s.most : width * scale);
     planes.push_back(s.lo + at.value());
   }
   planes.push_back(s.hi);
@@ -345,31 +378,26 @@ std::vector<double> fill_between(const std::vector<double>& kept, const Widths& 
   const Growth g{growth};
   const double lo = kept.front(), hi = kept.back(), middle = lo + (hi - lo) / 2;
   const bool mirrored = are_mirrored(kept, widths);
-  // Of a symmetric axis the lower half is filled, with the segment in the middle, if there is one.
-  std::vector<Segment> segments;
-  bool middle_inside = false;
-  std::optional<std::vector<Choice>> choices;
-  for (const bool roomy : {false, true}) {
-    if (choices) break;
-    segments = cut_into_segments(kept, widths, finest, growth, roomy);
-    if (mirrored) {
-      std::erase_if(segments, [&](const Segment& s) { return s.lo >= middle - kSlack * (hi - lo); });
-      middle_inside = segments.back().hi > middle + kSlack * (hi - lo);
-      if (middle_inside) segments.back().hi = hi - (segments.back().lo - lo);
-    }
-    double least = 0;  // as few cells as there can be: numbers of them must not overflow
-    for (const Segment& s : segments) least += s.length() / s.most;
-    expect_few(least, most);
-    const Filling filling(segments, finest, g);
-    choices = filling.choose(middle_inside, roomy);
-    if (!choices && roomy) choices = filling.uniform();
+  const auto half =
+      mirrored ? std::optional(middle) : std::nullopt;  // of a symmetric axis the lower half is filled, with what lies across its middle
+  double least = 0;  // as few cells as there can be: numbers of them must not overflow
+  for (const WidthPiece& p : widths.pieces()) least += (p.hi - p.lo) / std::max(p.most, finest);
+  expect_few(least, most);
+  Cuts cuts = cut_into_segments(kept, widths, finest, growth, Cutting::kChoice, half);
+  auto choices = Filling(cuts, finest, g).choose(false);
+  if (!choices) {
+    cuts = cut_into_segments(kept, widths, finest, growth, Cutting::kRoomy, half);
+    const Filling filling(cuts, finest, g);
+    choices = filling.choose(true);
+    if (!choices) choices = filling.uniform();
   }
   int64_t cells = 0;
   for (const Choice& c : *choices) cells += c.cells;
   expect_few(static_cast<double>(cells), most);
   std::vector<double> planes = {lo};
   planes.reserve(static_cast<size_t>(mirrored ? 2 * cells : cells) + 1);
-  for (size_t i = 0; i < segments.size(); ++i) add_planes(segments[i], (*choices)[i], finest, g, planes);
+  for (const Choice& c : *choices) add_planes(cuts.segments[c.segment], c, finest, g, planes);
+  const bool middle_inside = cuts.segments.back().across_middle;
   if (mirrored) mirror(planes, middle_inside ? choices->back().cells : 0, hi);
   // What rounding has moved a little off the place where it belongs.
   const auto put_at = [&](double place, double slack) {

@@ -39,6 +39,13 @@ TEST_CASE("Gaps that hold whole cells of the widest kind have these, in round nu
   CHECK(filled({-1, 0, 3}, 0.5, 1, 1.3) == Planes{-1, 0, 1, 2, 3});
 }
 
+TEST_CASE("Cells as wide as can be have round planes, and rounding makes none wider", "[planes]") {
+  const Planes planes = filled({-36, 0, 1.6, 37.635}, 0.3, 6, 1.4, {{0, 1.6, 0.4}});
+  CHECK(Planes(planes.begin(), planes.begin() + 4) == Planes{-36, -30, -24, -18});
+  for (size_t i = 0; i + 1 < planes.size(); ++i) CHECK(planes[i + 1] - planes[i] <= 6 + 1e-14 * 36);
+  CHECK(filled({0, 3 * (1 + 1e-11), 4}, 0.5, 1, 1.3).size() == 5);
+}
+
 TEST_CASE("A gap is one cell where no more fit, or none is wanted", "[planes]") {
   CHECK(filled({0, 1.9}, 1, 5, 1.3) == Planes{0, 1.9});
   CHECK(filled({0, 0.5}, 1, 5, 1.3) == Planes{0, 0.5});
