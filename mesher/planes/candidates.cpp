@@ -6,9 +6,17 @@
 
 namespace teracell::mesher {
 
+constexpr double kSameArea = 1e-9;  // relative: areas are sums, whose last digits depend on where a body stands
+
 Kept merged(std::vector<Candidate> candidates, double finest, double same) {
   std::ranges::stable_sort(candidates,
                            [](const Candidate& a, const Candidate& b) { return std::tie(a.rank, b.area, a.at) < std::tie(b.rank, a.area, b.at); });
+  for (auto first = candidates.begin(), end = first; first != candidates.end(); first = end) {
+    const auto differ = [](const Candidate& a, const Candidate& b) { return a.rank != b.rank || b.area < a.area * (1 - kSameArea); };
+    end = std::adjacent_find(first, candidates.end(), differ);
+    if (end != candidates.end()) ++end;
+    std::stable_sort(first, end, [](const Candidate& a, const Candidate& b) { return a.at < b.at; });
+  }
   Kept out;
   std::map<double, const Candidate*> kept;
   for (const Candidate& c : candidates) {

@@ -24,7 +24,8 @@ struct Kept {
   std::vector<Loss> losses;
 };
 
-// Larger faces go before smaller ones, and lesser coordinates before greater ones. What is within `same` of a kept candidate is no loss.
+// Larger faces go before smaller ones, and lesser coordinates before greater ones; areas that follow each other within 1e-9 of themselves are equal,
+// and of what is equal in all the first in the list goes first. What is within `same` of a kept candidate is no loss.
 Kept merged(std::vector<Candidate> candidates, double finest, double same);
 
 }  // namespace teracell::mesher

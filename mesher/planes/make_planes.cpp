@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -27,7 +29,11 @@ class AxisMaking {
     const Kept kept = merged(candidates(), rules_.finest, face_slack({lo_, hi_}));
     const Widths widths(lo_, hi_, rules_.coarsest, resolutions(out.report.warnings));
     for (const Loss& loss : kept.losses) out.report.warnings.push_back(words(loss));
-    out.planes[d_] = fill_between(kept.at, widths, rules_.finest, rules_.growth, kMostCells);
+    try {
+      out.planes[d_] = fill_between(kept.at, widths, rules_.finest, rules_.growth, kMostCells);
+    } catch (const UsageError& e) {
+      throw UsageError(fmt::format("axis {} of the grid: {}", axis_name(d_), e.what()));
+    }
     add_breaches(d_, out.planes[d_], kept.at, widths, rules_, out.report);
   }
 
@@ -35,14 +41,12 @@ class AxisMaking {
   std::vector<Candidate> candidates() const {
     std::vector<Candidate> out = {{lo_, Rank::kSide}, {hi_, Rank::kSide}};
     for (const double at : rules_.fixed) {
-      if (!(at >= lo_ && at <= hi_))
-        throw UsageError(
-            fmt::format("grid: \"fixed\" of axis {}: expected planes from {} to {}, where the domain lies, found {}", axis_name(d_), lo_, hi_, at));
+      if (!(at >= lo_ && at <= hi_)) refuse_fixed(d_, lo_, hi_, at);
       out.push_back({at, Rank::kFixed});
     }
     if (rules_.snap == AutoPlanes::Snap::kNone) return out;
     const double slack = face_slack({lo_, hi_});
-    for (size_t b = 0; b < shapes_.size(); ++b)
+    for (const size_t b : by_name())
       for (const FlatArea& face : grouped(shapes_[b].faces->axis[d_], slack, rules_.finest * rules_.finest)) add_face(face, b, out);
     return out;
   }
@@ -62,6 +66,13 @@ class AxisMaking {
     add(face.at + sign * (2 * step / 3));
   }
 
+  // So that the order of bodies decides nothing.
+  std::vector<size_t> by_name() const {
+    std::vector<size_t> out(shapes_.size());
+    std::iota(out.begin(), out.end(), size_t{0});
+    std::ranges::sort(out, {}, [&](size_t b) -> const std::string& { return scene_.bodies[b].name; });
+    return out;
+  }
   const std::string& material_of(size_t b) const { return scene_.materials[scene_.bodies[b].material].name; }
   bool is_metal(size_t b) const {
     return std::ranges::any_of(rules_.metals, [&](const std::string& m) { return m == scene_.bodies[b].name || m == material_of(b); });
@@ -81,7 +92,7 @@ class AxisMaking {
 
   std::vector<Resolution> resolutions(std::vector<std::string>& warnings) const {
     std::vector<Resolution> out;
-    for (size_t b = 0; b < shapes_.size(); ++b) {
+    for (const size_t b : by_name()) {
       const CellsWithin cells = within(b);
       const ShapeOfBody& shape = shapes_[b];
       const double extent = shape.hi[d_] - shape.lo[d_];
@@ -117,6 +128,21 @@ class AxisMaking {
   const double lo_, hi_;
 };
 
+// Names of materials without a body mean nothing.
+void warn_of_unused(const Scene& scene, std::vector<std::string>& warnings) {
+  std::set<std::string_view> used;
+  for (const SceneBody& b : scene.bodies) used.insert(b.name), used.insert(scene.materials[b.material].name);
+  std::set<std::pair<std::string_view, std::string_view>> unused;
+  for (const SceneAxis& axis : scene.axis) {
+    if (!axis.made) continue;
+    for (const auto& [name, within] : axis.made->resolution)
+      if (!used.contains(name)) unused.emplace("resolution", name);
+    for (const std::string& name : axis.made->metals)
+      if (!used.contains(name)) unused.emplace("metals", name);
+  }
+  for (const auto& [key, name] : unused) warnings.push_back(fmt::format("grid: \"{}\" names the material '{}', which no body has", key, name));
+}
+
 }  // namespace
 
 bool makes_planes(const Scene& scene) {
@@ -134,10 +160,11 @@ MadePlanes make_planes(const Scene& scene, const std::vector<ShapeOfBody>& shape
     if (!scene.axis[d].made) continue;
     const auto domain = domain_of(*scene.axis[d].made, scene.axis[d], lo[d], hi[d]);
     if (!(domain[0] < domain[1]))
-      throw UsageError(
-          fmt::format("axis {} of the grid: there is nothing that it could reach over: give it \"min\" and \"max\", or a \"pad\"", axis_name(d)));
+      throw UsageError(fmt::format("axis {} of the grid: there is nothing that it could reach over: give it \"min\" and \"max\"{}", axis_name(d),
+                                   lo[d] <= hi[d] ? ", or a \"pad\"" : ""));
     AxisMaking(scene, d, shapes, domain).make(out);
   }
+  warn_of_unused(scene, out.report.warnings);
   return out;
 }
 

@@ -79,7 +79,12 @@ AutoPlanes parse_auto_of_axis(const JsonNode& node) {
   return out;
 }
 
-Json normalised(const AutoPlanes& planes) {
+void refuse_fixed(int axis, double lo, double hi, double at) {
+  throw UsageError(
+      fmt::format("grid: \"fixed\" of axis {}: expected planes from {} to {}, where the domain lies, found {}", axis_name(axis), lo, hi, at));
+}
+
+Json normalised(const AutoPlanes& planes, bool has_domain) {
   Json out = {{"finest", planes.finest}, {"coarsest", planes.coarsest}, {"growth", planes.growth}};
   out["snap"] = kSnaps[static_cast<size_t>(planes.snap)];
   for (const auto& [name, within] : planes.resolution) {
@@ -89,7 +94,7 @@ Json normalised(const AutoPlanes& planes) {
   }
   if (!planes.fixed.empty()) out["fixed"] = planes.fixed;
   if (!planes.metals.empty()) out["metals"] = planes.metals;
-  out["pad"] = planes.pad;
+  if (!has_domain) out["pad"] = planes.pad;
   return out;
 }
 

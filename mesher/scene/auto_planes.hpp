@@ -33,7 +33,10 @@ struct AutoPlanes {
 std::array<AutoPlanes, 3> parse_auto_of_grid(const JsonNode& node);
 AutoPlanes parse_auto_of_axis(const JsonNode& node);
 
-// The same as JSON of one axis.
-Json normalised(const AutoPlanes& planes);
+// Planes are fixed where the domain, from lo to hi, isn't.
+[[noreturn]] void refuse_fixed(int axis, double lo, double hi, double at);
+
+// The same as JSON of one axis, which has a domain of its own or not.
+Json normalised(const AutoPlanes& planes, bool has_domain);
 
 }  // namespace teracell::mesher

@@ -116,6 +116,10 @@ void parse_axis(const JsonNode& node, const fs::path& folder, SceneAxis& axis) {
   if (const auto n = node.find("auto")) axis.made = parse_auto_of_axis(*n), axis.cells.reset(), axis.step.reset();
 }
 
+[[noreturn]] void refuse_pad(const std::string& where) {
+  throw UsageError(fmt::format("{}.auto.pad: expected none beside min and max, which say where the domain ends", where));
+}
+
 void parse_grid(const JsonNode& grid, const fs::path& folder, Scene& scene) {
   grid.check_keys({"min", "max", "cells", "step", "auto", "pad", "x", "y", "z"});
   refuse_ways_together(grid);
@@ -138,19 +142,26 @@ void parse_grid(const JsonNode& grid, const fs::path& folder, Scene& scene) {
     const std::array<AutoPlanes, 3> of_axis = parse_auto_of_grid(*made);
     for (int a = 0; a < 3; ++a) scene.axis[a].made = of_axis[a];
   }
+  const auto pad_of = [](const JsonNode& node) { return node.find("auto") && node.find("auto")->find("pad"); };
 
   bool longest_used = false;
   for (int a = 0; a < 3; ++a) {
     SceneAxis& axis = scene.axis[a];
     const auto node = grid.find(axis_name(a));
+    const bool has_fixed = axis.made && !axis.made->fixed.empty();
     if (node) parse_axis(*node, folder, axis);
+    if (has_fixed && !axis.made)
+      throw UsageError(
+          fmt::format("{0}.auto.fixed.{1}: expected none, as {0}.{1} has planes, cells or a step of its own", grid.where(), axis_name(a)));
     const std::string where = node ? node->where() : fmt::format("{} (axis {})", grid.where(), axis_name(a));
     if (axis.min.has_value() != axis.max.has_value())
       throw UsageError(fmt::format("{}: expected min and max or neither, found only {}", where, axis.min ? "min" : "max"));
     if (axis.min && !(*axis.min < *axis.max)) throw UsageError(fmt::format("{}: expected min < max, found {} and {}", where, *axis.min, *axis.max));
+    if (axis.min && node && pad_of(*node)) refuse_pad(node->where());
     longest_used |= axis.planes.empty() && !axis.cells && !axis.step && !axis.made;
   }
   if (!longest_used) scene.longest_cells.reset();
+  if (pad_of(grid) && std::ranges::none_of(scene.axis, [](const SceneAxis& axis) { return axis.made && !axis.min; })) refuse_pad(grid.where());
 }
 
 // ---- materials and bodies
@@ -340,8 +351,11 @@ void check_names(const Scene& scene, const MaterialIds& ids) {
       if (!bodies.contains(name) && !ids.contains(name))
         throw UsageError(fmt::format("grid: \"{}\" of axis {}: expected the name of a body or a material, found \"{}\"", key, axis_name(a), name));
     };
-    for (const auto& [name, within] : scene.axis[a].made->resolution) check("resolution", name);
-    for (const std::string& name : scene.axis[a].made->metals) check("metals", name);
+    const SceneAxis& axis = scene.axis[a];
+    for (const double at : axis.made->fixed)
+      if (axis.min && !(at >= *axis.min && at <= *axis.max)) refuse_fixed(a, *axis.min, *axis.max, at);
+    for (const auto& [name, within] : axis.made->resolution) check("resolution", name);
+    for (const std::string& name : axis.made->metals) check("metals", name);
   }
 }
 
@@ -367,7 +381,7 @@ Json normalised_grid(const Scene& scene) {
   for (int a = 0; a < 3; ++a)
     if (!scene.axis[a].planes.empty()) grid[axis_name(a)]["planes"] = scene.axis[a].planes;
   for (int a = 0; a < 3; ++a)
-    if (scene.axis[a].made) grid[axis_name(a)]["auto"] = normalised(*scene.axis[a].made);
+    if (scene.axis[a].made) grid[axis_name(a)]["auto"] = normalised(*scene.axis[a].made, scene.axis[a].min.has_value());
   grid["pad"] = scene.pad;
   return grid;
 }

@@ -176,13 +176,22 @@ class Scenes(Case):
         for auto, words in (({"finest": 2}, "at least twice"), ({"growth": 1}, "growth"), ({"resolution": {"c": {"step": 1}}}, "found \"c\""),
                             ({"resolution": {"a": {"step": 0.3}}}, "at least twice"), ({"snap": "thirds"}, "metals"), ({"snap": "edges"}, "snap"),
                             ({"fixed": {"x": [99]}}, "99"), ({"fixed": [1]}, "fixed"), ({"coarse": 1}, "coarse"), ({"coarsest": 1e308}, "1e60"),
-                            ({"finest": 1e-30, "coarsest": 1e-29}, "cells along an axis")):
+                            ({"finest": 1e-30, "coarsest": 1e-29}, "axis x of the grid: ")):
             self.write("s.json", {"grid": {"auto": {"finest": 0.25, "coarsest": 2, **auto}}, "materials": {"air": {}, "steel": {}},
                                   "bodies": [{"name": "a", "mesh": "a.stl", "material": "steel"}]})
+            self.refused(2, [words], "mesh", "s.json", "-o", "h.tcell")
+        box = {"min": [0, 0, 0], "max": [9, 9, 9]}
+        for grid, auto, words in (({"x": {"planes": [0, 1]}}, {"fixed": {"x": [0.5]}}, "grid.auto.fixed.x"), (box, {"pad": 2}, "grid.auto.pad"),
+                                  (box, {"fixed": {"y": [10]}}, "s.json: grid: \"fixed\" of axis y"), ({}, {}, "give it \"min\" and \"max\"\n")):
+            self.write("s.json", {"grid": {"auto": {"finest": 0.25, "coarsest": 2, **auto}, **grid}, "materials": {"air": {}}, "bodies": []})
             self.refused(2, [words], "mesh", "s.json", "-o", "h.tcell")
         for more in ({"step": 1}, {"pad": 2}):
             self.write("s.json", {"grid": {"auto": {"finest": 0.25, "coarsest": 2}, **more}, "materials": {"air": {}}, "bodies": []})
             self.refused(2, ["exclude each other"], "mesh", "s.json", "-o", "h.tcell")
+
+    def test_a_resolution_of_a_material_that_no_body_has_is_a_warning(self):
+        self.mesh([{"name": "a", "mesh": "a.stl", "material": "steel"}], {"auto": {"finest": 0.25, "coarsest": 2, "resolution": {"air": {"step": 1}}}})
+        self.assertIn("'air', which no body has", self.run_ok("mesh", "s.json", "--dry-run").err)
 
     def test_one_axis_may_have_made_planes_beside_others_that_options_decide(self):
         self.mesh([{"name": "a", "mesh": "a.stl", "material": "steel"}], {"x": {"auto": {"finest": 0.5, "coarsest": 1, "pad": 2}}, "step": 1})

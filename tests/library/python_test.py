@@ -41,7 +41,7 @@ class Planes(unittest.TestCase):
             numpy.testing.assert_array_equal(planes, next(a.planes for a in grid.axes if a.name == axis))
         self.assertEqual(made.breaches, grid.info["planes"]["breaches"])
         self.assertIn("no plane for a face of body 'two' at 0", made.warnings[0])
-        for wrong, words in (({"grid": {}}, "bodies"), (folder / "none.json", "none.json")):
+        for wrong, words in (({"grid": {}}, "bodies"), (folder / "none.json", "none.json"), (folder / "planes.tcell", "planes.tcell: ")):
             with self.assertRaisesRegex((ValueError, OSError), words):
                 teracell.planes(wrong, folder=folder)
 

@@ -416,15 +416,16 @@ std::string mesh(const std::string& scene_text, const std::string& folder, const
   }
 }
 
-// The planes of a scene's axes, where they break rules (JSON), and what there is to say of them.
-std::tuple<std::vector<std::vector<double>>, std::string, std::vector<std::string>> planes(const std::string& scene_text, const std::string& folder) {
+// The planes of a scene's axes, where they break rules (JSON), and what there is to say of them. Without a text `place` is the scene's file, else the
+// folder of its paths.
+std::tuple<std::vector<std::vector<double>>, std::string, std::vector<std::string>> planes(const std::string& scene_text, const std::string& place) {
   using namespace teracell;
   const Unlocked unlocked;
   const std::atomic<bool> stop = false;
   mesher::MeshOptions o;
   o.memory = mesher::modest_budget().bytes;
   const mesher::DryRun run = dry_run(
-      mesher::parse_scene(scene_text, folder), o, [](const char*, double, double) {}, stop);
+      scene_text.empty() ? mesher::read_scene(place) : mesher::parse_scene(scene_text, place), o, [](const char*, double, double) {}, stop);
   std::vector<std::vector<double>> axes;
   for (const Axis& axis : run.plan.meta.grid.axis) {
     auto& planes = axes.emplace_back();

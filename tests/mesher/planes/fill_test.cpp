@@ -92,6 +92,17 @@ TEST_CASE("Of candidates that are too near the one of higher rank stays: sides, 
   CHECK((kept.losses[1].lost.at == 5 && kept.losses[1].kept.at == 5.5));
 }
 
+TEST_CASE("Areas that differ by rounding are equal, and of what is equal in all the first goes first", "[planes]") {
+  using enum Candidate::Rank;
+  const Kept kept = merged(
+      {{0, kSide}, {9, kSide}, {8.8005, kFace, 3 * (1 + 1e-15)}, {8.7995, kFace, 3}, {5, kFace, 1, 7}, {5, kFace, 1, 2}, {5.01, kFace, 0.5, 1}}, 0.05,
+      1e-9);
+  CHECK(kept.at == Planes{0, 5, 8.7995, 9});
+  REQUIRE(kept.losses.size() == 2);
+  CHECK(kept.losses[0].lost.at == 8.8005);
+  CHECK(kept.losses[1].kept.body == 7);
+}
+
 TEST_CASE("Planes a whole finest cell apart are both kept, whatever rounding says; those at one place are no loss", "[planes]") {
   using enum Candidate::Rank;
   const Kept kept = merged({{-30, kSide}, {30, kSide}, {-29.8, kFace, 1}, {-29.8 + 1e-12, kFace, 1}}, 0.2, 1e-8);

@@ -1,6 +1,7 @@
 #include "tools/cli/commands/mesh_summary.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -45,7 +46,9 @@ std::string size_text(const Index3& n) {
 }
 
 std::string axis_text(int d, const Axis& a, const std::string& units) {
-  const std::string domain = fmt::format("{}  {:.8g} to {:.8g} {}, ", axis_name(d), a.min(), a.max(), units);
+  const double far = std::max(std::abs(a.min()), std::abs(a.max())) / (a.max() - a.min());  // as many digits as tell places of the axis apart
+  const int digits = std::clamp(8 + static_cast<int>(std::ceil(std::log10(far))), 8, 17);
+  const std::string domain = fmt::format("{}  {} to {} {}, ", axis_name(d), number_text(a.min(), digits), number_text(a.max(), digits), units);
   if (!a.is_graded()) return domain + fmt::format("cells of {:.6g} {}", a.step(), units);
   const CellWidths w = cell_widths(a);
   return domain + fmt::format("graded: cells of {:.4g} to {:.4g} {}, neighbours within a factor of {:.4g}", w.smallest, w.largest, units, w.ratio);

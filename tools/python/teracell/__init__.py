@@ -448,8 +448,8 @@ def planes(scene, *, folder="."):
 
     scene     a scene file; or a scene as a dict, whose paths are relative to `folder`
     """
-    text, base = _scene_of(scene, path_of(folder))
-    axes, breaches, warnings = _native.planes(text, os.fsencode(base))
+    text, place = (json.dumps(scene), path_of(folder)) if isinstance(scene, dict) else ("", path_of(scene))
+    axes, breaches, warnings = _native.planes(text, os.fsencode(place))
     return Planes(*(numpy.array(axis) for axis in axes), json.loads(breaches), warnings)
 
 
