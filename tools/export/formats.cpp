@@ -6,6 +6,7 @@
 // clang-format off
 #define TERACELL_EXPORT_FORMATS(format) \
   format(hdf5) \
+  format(leaves) \
   format(links) \
   format(mhd) \
   format(npy) \

@@ -3,10 +3,12 @@
 #include <fmt/ranges.h>
 
 #include "store/base/error.hpp"
+#include "store/refine/leaf_table.hpp"
 #include "tools/cli/command.hpp"
 #include "tools/cli/progress.hpp"
 #include "tools/export/assignments.hpp"
 #include "tools/export/formats.hpp"
+#include "tools/export/refined/refined.hpp"
 
 namespace teracell::cli {
 namespace {
@@ -16,6 +18,7 @@ struct ExportArguments {
   std::string output, format, progress = "auto";
   std::optional<std::string> region, map;  // given and empty is a mistake of a script
   int level = 0;
+  bool count = false, json = false;
   std::map<std::string, std::string> of_formats;  // the options that only some formats take
 };
 
@@ -59,15 +62,40 @@ std::vector<uint32_t> numbers_of(const std::string& map, const GridReader& reade
   return numbers;
 }
 
-void check_options(const ExportArguments& o, const exports::ExportFormat& format) {
+void expect_options(const ExportArguments& o, const std::vector<exports::ExportOption>& options, const std::string& whose) {
   for (const auto& [name, value] : o.of_formats)
-    if (std::ranges::count(format.options, name, &exports::ExportOption::name) == 0)
-      throw UsageError(fmt::format("{}: the format {} has no such option", name, format.name));
+    if (std::ranges::count(options, name, &exports::ExportOption::name) == 0) throw UsageError(fmt::format("{}: {} has no such option", name, whose));
+}
+
+void check_options(const ExportArguments& o, const exports::ExportFormat& format) {
+  expect_options(o, format.options, "the format " + format.name);
+  if (o.json) throw UsageError("--json: expected --count with it");
   if (o.map && !format.numbers)
     throw UsageError(fmt::format("--map: the format {} names materials or has the ids of the grid, which a map can't change", format.name));
 }
 
+// How many leaves there would be, whatever the format.
+void count_leaves(const ExportArguments& o) {
+  expect_options(o, exports::refined_options(), "--count");
+  if (!o.of_formats.contains("--refine")) throw UsageError("--count: expected --refine M,N with it, found none");
+  const GridReader reader = open_grid(o.grid);
+  const Metadata& meta = reader.meta();
+  const Box box = !o.region ? meta.grid.box(0) : parse_region(*o.region, meta.grid, 0);
+  const Wanted wanted = until_interrupted("", "nothing was counted");
+  std::optional<LeafTable> table;
+  {
+    ProgressLine line(o.progress, "count");
+    const auto progress = [&](double share) { line("count", share); };
+    const exports::RefinedGrid grid({reader, o.level, box, "", progress, {}, o.of_formats}, 0.5);
+    table.emplace(meta, grid.refinement(), grid.leaves().count(box, grid.threads(), [&](double share) { progress((1 + share) / 2); }));
+  }
+  if (o.json) return say(table->json());
+  for (const std::string& row : table->rows()) say(row);
+}
+
 void run(const ExportArguments& o) {
+  if (o.count) return count_leaves(o);
+  if (o.output.empty()) throw UsageError("--output: expected the file or folder to write, found none");
   const exports::ExportFormat& format = format_of(o);
   check_options(o, format);
   check_output({o.grid.name}, o.output);
@@ -94,12 +122,14 @@ void run(const ExportArguments& o) {
 Run setup_export(CLI::App& app) {
   const auto o = std::make_shared<ExportArguments>();
   add_grid(app, o->grid);
-  app.add_option("-o,--output", o->output, "the file or folder to write")->required();
+  app.add_option("-o,--output", o->output, "the file or folder to write (needed unless with --count)");
   app.add_option("--format", o->format, fmt::format("{} (default: by the ending of the name)", fmt::join(format_names(), ", ")))
       ->check(one_of(format_names()));
   app.add_option("--region", o->region, "X0,Y0,Z0,X1,Y1,Z1: half open, in cells of the level (default: all)");
   app.add_option("--level", o->level, "the level of the pyramid (default 0)");
   app.add_option("--map", o->map, "NAME=NUMBER,...: the number to write for each material (default: its id)");
+  app.add_flag("--count", o->count, "with --refine: print how many leaves there are by level and material, and write nothing");
+  app.add_flag("--json", o->json, "with --count: print that as JSON");
   add_progress(app, o->progress);
   std::map<std::string, std::pair<exports::ExportOption, std::vector<std::string>>> options;  // formats may share one
   for (const exports::ExportFormat& format : exports::export_formats())

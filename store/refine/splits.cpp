@@ -1,0 +1,345 @@
+#include "store/refine/splits.hpp"
+
+#include <algorithm>
+#include <deque>
+
+#include "store/base/in_order.hpp"
+#include "store/runs/chunk_parts.hpp"
+
+namespace teracell::inline store {
+namespace {
+
+constexpr size_t kChunkMemory = size_t{64} << 20, kSplitMemory = size_t{32} << 20;
+constexpr int kManyBits = 3;  // 8 x 8 x 8 blocks are passed by at once where they hold one label
+
+Box shifted(const Box& box, int levels) {  // the cells of a finer level
+  Box out;
+  for (size_t d = 0; d < 3; ++d) out.lo[d] = box.lo[d] * (int64_t{1} << levels), out.hi[d] = box.hi[d] * (int64_t{1} << levels);
+  return out;
+}
+Box covering(const Box& box, int levels) {  // those of a coarser one that cover it
+  Box out;
+  for (size_t d = 0; d < 3; ++d) out.lo[d] = box.lo[d] >> levels, out.hi[d] = ((box.hi[d] - 1) >> levels) + 1;
+  return out;
+}
+Box common(const Box& a, const Box& b) {
+  Box out;
+  for (size_t d = 0; d < 3; ++d) out.lo[d] = std::max(a.lo[d], b.lo[d]), out.hi[d] = std::min(a.hi[d], b.hi[d]);
+  return out;
+}
+bool holds(const Box& box, const Index3& at) {
+  for (size_t d = 0; d < 3; ++d)
+    if (at[d] < box.lo[d] || at[d] >= box.hi[d]) return false;
+  return true;
+}
+Box by_rays(const LevelShape& s) { return {{0, 0, 0}, {s.nu, s.nv, s.nw}}; }
+
+// Rows of 32 cells of a box of 32 x 32 x 32: those that have any.
+void put_rows(Bytes& out, const Bits& bits, const Box& box) {
+  Bytes rows;
+  uint64_t number = 0, last = 0, at = 0;
+  for (int64_t v = box.lo[1]; v < box.hi[1]; ++v)
+    for (int64_t u = box.lo[0]; u < box.hi[0]; ++u, ++at) {
+      const uint32_t cells = bits.get32(u, v, box.lo[2]);
+      if (cells == 0) continue;
+      put_varint(rows, at - last);
+      put_fixed(rows, cells);
+      last = at, ++number;
+    }
+  put_varint(out, number);
+  out.insert(out.end(), rows.begin(), rows.end());
+}
+void add_rows(ByteReader& in, const Box& box, Bits& bits) {
+  int64_t at = 0;
+  const int64_t width = box.hi[0] - box.lo[0];
+  for (uint64_t n = in.varint(); n > 0; --n) {
+    at += static_cast<int64_t>(in.varint());
+    bits.add(box.lo[0] + at % width, box.lo[1] + at / width, box.lo[2], in.fixed<uint32_t>());
+  }
+}
+
+}  // namespace
+
+Box RefinedBlock::cells() const {
+  Box out;
+  for (size_t d = 0; d < 3; ++d) out.lo[d] = at[d] << kBits, out.hi[d] = (at[d] + 1) << kBits;
+  return out;
+}
+
+size_t BlockSplits::memory() const {
+  size_t sum = sizeof *this;
+  for (const Bits& bits : split) sum += bits.memory();
+  return sum;
+}
+
+// What makes the first level above a block's own, not spread yet: its cells that hold a marked one, or with N odd one beside it. And of each
+// coarser level that anything wants, the cells that hold what wants it.
+struct Splits::Marks {
+  Bits held;
+  std::vector<std::pair<int, Bits>> wanted;
+};
+
+Splits::Splits(const GridReader& reader, const Refinement& refinement, const std::filesystem::path& folder)
+    : reader_(reader), refinement_(refinement), wants_(reader, refinement), chunks_(kChunkMemory), file_(folder, 0),
+      records_(static_cast<size_t>(tiers())), prepared_(static_cast<size_t>(tiers())), made_(kSplitMemory) {}
+
+// The cells of the level above a block's own of which its splits depend. From the top: to spread by N/2 cells, the box must be so much larger; to
+// halve, twice as large; and with N odd there is one cell more on the finer level.
+Box Splits::window(const RefinedBlock& block) const {
+  const int64_t half = refinement_.layers / 2, odd = refinement_.layers % 2;
+  const int levels = levels_of(block.tier);
+  Box box = grown(covering(block.cells(), levels), half);
+  for (int i = 1; i < levels; ++i) box = grown(grown(shifted(box, 1), odd), half);
+  return box;
+}
+
+// For each tier, the blocks that cells of level 0 need.
+std::vector<Box> Splits::blocks_for(const Box& cells) const {
+  std::vector<Box> out(static_cast<size_t>(tiers()));
+  Box box = cells;  // of level 0, for the tier above
+  for (int tier = tiers() - 1; tier >= 0; --tier) {
+    const int level = 2 * tier;
+    Box& blocks = out[static_cast<size_t>(tier)];
+    blocks = covering(box, level + RefinedBlock::kBits);
+    // The corners of what these blocks depend on.
+    Index3 last = blocks.hi;
+    for (int64_t& at : last) --at;
+    Box below;
+    below.lo = window({tier, blocks.lo}).lo, below.hi = window({tier, last}).hi;
+    box = common(shifted(grown(shifted(below, 1), refinement_.layers % 2), level), by_rays(reader_.shape(0)));
+  }
+  return out;
+}
+
+std::shared_ptr<const Chunk> Splits::chunk(const ChunkKey& key) const {
+  return chunks_.get(key, [&] {
+    auto out = std::make_shared<Chunk>();
+    reader_.read(key, *out);
+    return out;
+  });
+}
+
+// The label of all cells of a box of a level, if they have one.
+std::optional<Label> Splits::only_label(const Box& cells, int level) const {
+  const RayFrame f = reader_.meta().frame();
+  std::optional<Label> label;
+  bool same = true;
+  const auto see = [&](const std::vector<Label>& set) {
+    same = same && set.size() == 1 && (!label || *label == set.front());
+    if (same) label = set.front();
+  };
+  for_each_part(reader_.shape(level), RayBox(f.box(cells.lo, cells.hi), f), [&](const ChunkPart& p) {
+    if (const auto set = reader_.uniform(p.key)) {
+      see(*set);
+      return same;
+    }
+    const auto held = chunk(p.key);
+    std::optional<SetId> last;
+    for_each_part_run(held->rays, p, [&](uint32_t, uint32_t, uint32_t, uint32_t, SetId set) {
+      if (same && last != set) see(held->sets.members(set));
+      last = set;
+    });
+    return same;
+  });
+  return same ? label : std::nullopt;
+}
+
+// The same for cells of level 0, found out on a coarse level, if also nothing of them wants anything.
+std::optional<Label> Splits::quiet(const Box& cells, int level) const {
+  level = std::min(level, reader_.levels() - 1);
+  const LevelShape shape = reader_.shape(level);
+  const Box box = common(covering(cells, level), by_rays(shape));
+  const auto label = only_label(box, level);
+  return label && wants_.nothing(cells, *label) ? label : std::nullopt;
+}
+
+Label Splits::label_of(const Index3& cell) const {
+  const LevelShape s = reader_.shape(0);
+  const ChunkKey key{0, static_cast<uint32_t>(cell[0] / s.chunk_rays), static_cast<uint32_t>(cell[1] / s.chunk_rays),
+                     static_cast<uint32_t>(cell[2] / s.chunk_cells)};
+  if (const auto set = reader_.uniform(key)) return set->front();
+  const auto held = chunk(key);
+  const auto u = static_cast<uint32_t>(cell[0] % s.chunk_rays), v = static_cast<uint32_t>(cell[1] % s.chunk_rays);
+  return held->rays.set_at(v * held->rays.nu + u, static_cast<uint32_t>(cell[2] % s.chunk_cells));
+}
+
+BlockSplits Splits::climb(const RefinedBlock& block, Marks marks, Bytes* record) const {
+  const int64_t half = refinement_.layers / 2, odd = refinement_.layers % 2;
+  BlockSplits out;
+  Bits held = std::move(marks.held);
+  for (int i = 1; i <= levels_of(block.tier); ++i) {
+    const int level = block.level() + i;
+    held.dilate(half);
+    out.split.push_back(held);
+    if (level == coarsest()) break;
+    if (i == levels_of(block.tier)) {
+      if (record == nullptr) break;
+      const Box box = held.box();
+      const bool any = !held.none() || std::ranges::any_of(marks.wanted, [](const auto& w) { return !w.second.none(); });
+      if (!any) break;
+      put_rows(*record, held, box);
+      for (const auto& [wanted, bits] : marks.wanted)
+        if (wanted >= level) put_rows(*record, bits.cropped(box), box);
+      break;
+    }
+    for (const auto& [wanted, bits] : marks.wanted)
+      if (wanted == level) held.add(bits);
+    held.dilate(odd);
+    const Box even = held.box();
+    held = held.coarser();
+    for (auto& [wanted, bits] : marks.wanted) bits = bits.cropped(even).coarser();
+  }
+  return out;
+}
+
+Splits::Base Splits::make_base(const Index3& at, Bytes* record) const {
+  const RefinedBlock block{0, at};
+  const int64_t odd = refinement_.layers % 2;
+  const Box own = common(block.cells(), by_rays(reader_.shape(0)));
+  const Box level_1 = tiers() > 0 ? window(block) : Box{};
+  const Box cells = tiers() > 0 ? common(grown(shifted(level_1, 1), odd + 1), by_rays(reader_.shape(0))) : own;
+  Base out;
+  if ((out.label = quiet(cells, RefinedBlock::kBits))) return out;
+  out.window.emplace(reader_, chunks_, cells);
+  if (tiers() == 0) return out;
+  std::vector<Bits> bits;
+  for (size_t i = 0; i < wants_.levels().size(); ++i) bits.emplace_back(level_1);
+  wants_.mark(*out.window, odd, bits);
+  Marks marks;
+  for (size_t i = 0; i < bits.size(); ++i) {
+    if (wants_.levels()[i] == 0) marks.held = std::move(bits[i]);
+    else marks.wanted.emplace_back(wants_.levels()[i], std::move(bits[i]));
+  }
+  if (marks.held.box().empty()) marks.held = Bits(level_1);
+  out.splits = climb(block, std::move(marks), record);
+  return out;
+}
+
+// From what was found of the tier below.
+std::optional<BlockSplits> Splits::make_above(const RefinedBlock& block, Bytes* record) const {
+  const int64_t odd = refinement_.layers % 2;
+  const Box own = grown(shifted(window(block), 1), odd);  // of its level
+  Bits marked(own);
+  Marks marks;
+  for (const int level : wants_.levels())
+    if (level >= block.level()) marks.wanted.emplace_back(level, Bits(own));
+  const auto& records = records_[static_cast<size_t>(block.tier - 1)];
+  bool any = false;
+  Bytes bytes;
+  const Box below = covering(own, RefinedBlock::kBits - 2);  // a block of the tier below has 32 x 32 x 32 cells of this level
+  for (int64_t v = below.lo[1]; v < below.hi[1]; ++v)
+    for (int64_t u = below.lo[0]; u < below.hi[0]; ++u)
+      for (int64_t w = below.lo[2]; w < below.hi[2]; ++w) {
+        const auto it = records.find({block.tier - 1, {u, v, w}});
+        if (it == records.end()) continue;
+        any = true;
+        bytes.resize(it->second.bytes);
+        file_.read(it->second.offset, bytes);
+        ByteReader in(bytes, "a block that was kept");
+        const Box box = covering(RefinedBlock{block.tier - 1, {u, v, w}}.cells(), 2);
+        add_rows(in, box, marked);
+        for (auto& [level, bits] : marks.wanted) add_rows(in, box, bits);
+      }
+  if (!any) return std::nullopt;
+  for (const auto& [level, bits] : marks.wanted)
+    if (level == block.level()) marked.add(bits);
+  std::erase_if(marks.wanted, [&](const auto& w) { return w.first == block.level(); });
+  marked.dilate(odd);
+  const Box even = marked.box();
+  marks.held = marked.coarser();
+  for (auto& [level, bits] : marks.wanted) bits = bits.cropped(even).coarser();
+  return climb(block, std::move(marks), record);
+}
+
+void Splits::keep(const RefinedBlock& block, const Bytes& record) {
+  if (record.empty()) return;
+  file_.write(size_, record);
+  records_[static_cast<size_t>(block.tier)][block] = {size_, static_cast<uint32_t>(record.size())};
+  size_ += record.size();
+}
+
+void Splits::prepare(const Box& box, int threads, const std::function<void(double share)>& progress) {
+  const Box grid = by_rays(reader_.shape(0));
+  const std::vector<Box> needed = blocks_for(common(box, grid));
+  struct Found {
+    RefinedBlock block;
+    Bytes record;
+  };
+  for (int tier = 0; tier + 1 < tiers(); ++tier) {
+    const Box& blocks = needed[static_cast<size_t>(tier)];
+    std::vector<Box>& before = prepared_[static_cast<size_t>(tier)];
+    const auto is_made = [&](const Index3& at) { return std::ranges::any_of(before, [&](const Box& b) { return holds(b, at); }); };
+    std::deque<RefinedBlock> waiting;
+    std::function<bool()> more;  // adds blocks that may hold something; false: there are none
+    std::vector<RefinedBlock> above;
+    size_t next_above = 0;
+    const Box many = covering(blocks, kManyBits);
+    Index3 at = many.lo;
+    if (tier == 0) {
+      more = [&] {
+        if (at[1] >= many.hi[1]) return false;
+        progress(static_cast<double>((at[1] - many.lo[1]) * (many.hi[0] - many.lo[0]) + (at[0] - many.lo[0])) /
+                 static_cast<double>((many.hi[1] - many.lo[1]) * (many.hi[0] - many.lo[0])));
+        const Box group = common(shifted({at, {at[0] + 1, at[1] + 1, at[2] + 1}}, kManyBits), blocks);
+        const Box cells = grown(shifted(group, RefinedBlock::kBits), refinement_.layers * 3 + 2);
+        if (!quiet(common(cells, grid), RefinedBlock::kBits + kManyBits))
+          for (int64_t v = group.lo[1]; v < group.hi[1]; ++v)
+            for (int64_t u = group.lo[0]; u < group.hi[0]; ++u)
+              for (int64_t w = group.lo[2]; w < group.hi[2]; ++w) waiting.push_back({0, {u, v, w}});
+        if (++at[2] < many.hi[2]) return true;
+        at[2] = many.lo[2];
+        if (++at[0] < many.hi[0]) return true;
+        at[0] = many.lo[0], ++at[1];
+        return true;
+      };
+    } else {
+      // Those that a block of the tier below reaches.
+      std::unordered_map<RefinedBlock, bool, KeyHash> reached;
+      for (const auto& [below, record] : records_[static_cast<size_t>(tier - 1)]) {
+        const Box cells = grown(covering(below.cells(), 2), 4 * refinement_.layers + 2);
+        const Box reach = common(covering(cells, RefinedBlock::kBits), blocks);
+        for (int64_t v = reach.lo[1]; v < reach.hi[1]; ++v)
+          for (int64_t u = reach.lo[0]; u < reach.hi[0]; ++u)
+            for (int64_t w = reach.lo[2]; w < reach.hi[2]; ++w)
+              if (reached.try_emplace({tier, {u, v, w}}).second) above.push_back({tier, {u, v, w}});
+      }
+      std::ranges::sort(above, {}, &RefinedBlock::at);
+      more = [&] {
+        if (next_above == above.size()) return false;
+        waiting.push_back(above[next_above++]);
+        return true;
+      };
+    }
+    in_order(
+        threads,
+        [&]() -> std::optional<RefinedBlock> {
+          for (;;) {
+            while (waiting.empty())
+              if (!more()) return std::nullopt;
+            const RefinedBlock block = waiting.front();
+            waiting.pop_front();
+            if (!is_made(block.at)) return block;
+          }
+        },
+        [&](const RefinedBlock& block, int) {
+          Found found{block, {}};
+          if (tier == 0) make_base(block.at, &found.record);
+          else make_above(block, &found.record);
+          return found;
+        },
+        [&](const Found& found) { keep(found.block, found.record); }, 16);
+    before.push_back(blocks);
+  }
+}
+
+Splits::Base Splits::base(const Index3& block) const { return make_base(block, nullptr); }
+
+std::shared_ptr<const BlockSplits> Splits::get(const RefinedBlock& block) const {
+  return made_.get(block, [&] {
+    auto out = std::make_shared<const BlockSplits>(make_above(block, nullptr).value_or(BlockSplits{}));
+    const size_t bytes = out->memory();
+    return std::pair(std::move(out), bytes);
+  });
+}
+
+}  // namespace teracell::store

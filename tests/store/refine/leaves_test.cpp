@@ -1,0 +1,83 @@
+// Leaves against their definition.
+#include "store/refine/leaves.hpp"
+
+#include "tests/support/random.hpp"
+#include "tests/support/refined.hpp"
+#include "tests/support/meshed.hpp"
+
+namespace teracell {
+namespace {
+
+using namespace testing;
+
+std::vector<Leaf> leaves_of(Leaves& leaves, const Box& region, int threads = 1) {
+  leaves.prepare(region, threads, [](double) {});
+  std::vector<Leaf> out;
+  leaves.for_each(region, threads, [](double) {}, [&](std::span<const Leaf> some) { out.insert(out.end(), some.begin(), some.end()); });
+  return out;
+}
+
+std::string text_of(const Leaf& l) { return fmt::format("level {} at {} {} {}, label {}", l.level, l.cell[0], l.cell[1], l.cell[2], l.label); }
+
+void expect_same(const std::vector<Leaf>& found, const std::vector<Leaf>& expected) {
+  for (size_t i = 0; i < std::min(found.size(), expected.size()); ++i)
+    if (found[i] != expected[i]) FAIL("leaf " << i << ": found " << text_of(found[i]) << ", expected " << text_of(expected[i]));
+  REQUIRE(found.size() == expected.size());
+}
+
+LeafCounts counted(const std::vector<Leaf>& leaves) {
+  LeafCounts out;
+  for (const Leaf& leaf : leaves) ++out[{leaf.level, leaf.label}];
+  return out;
+}
+
+Refinement random_refinement(std::mt19937_64& random, const Index3& n, uint32_t materials) {
+  Refinement r;
+  r.coarsest = random_int(random, 0, 7);
+  r.layers = random_int(random, 0, 9) == 0 ? random_int(random, 4, 9) : random_int(random, 1, 3);
+  const auto level = [&] { return random() % 2 == 0 ? 0 : random_int(random, 0, r.coarsest + 1); };
+  if (random() % 3 == 0) r.interfaces = level();
+  const auto some = [&](std::vector<int>& levels) {
+    if (random() % 4 != 0) return;
+    levels.assign(materials, kNoLevel);
+    levels[random() % materials] = level();
+  };
+  some(r.of_materials), some(r.inside);
+  if (random() % 4 == 0) {
+    Box box;
+    for (size_t d = 0; d < 3; ++d) box.lo[d] = random_int(random, 0, static_cast<int>(n[d]) - 1), box.hi[d] = box.lo[d] + random_int(random, 1, 9);
+    for (size_t d = 0; d < 3; ++d) box.hi[d] = std::min(box.hi[d], n[d]);
+    r.boxes.push_back({box, level()});
+  }
+  return r;
+}
+
+TEST_CASE("The leaves of random grids, selectors and regions are those of the definition, for any ray axis, chunks and threads") {
+  const TempFolder folder;
+  for (int seed = 0; seed < 60; ++seed) {
+    std::mt19937_64 random(static_cast<uint64_t>(seed));
+    Index3 n;
+    for (int64_t& cells : n) cells = random_int(random, 1, 40);
+    if (seed % 5 == 0) n[random() % 3] = random_int(random, 100, 420);  // several blocks
+    const auto cells = random() % 4 == 0 ? random_cells(random, n, 3) : blobs(random, n, 3);
+    Metadata meta = metadata_of(unit_grid(n), seed % 3, 3);
+    if (random() % 2 == 0) meta = with_tiny_chunks(std::move(meta));
+    const GridReader reader = reader_of(meta, cells);
+    const Refinement refinement = random_refinement(random, n, 3);
+    INFO("seed " << seed << ", " << n[0] << " x " << n[1] << " x " << n[2] << ", M " << refinement.coarsest << ", N " << refinement.layers);
+    const Box whole = reader.meta().grid.box(0);
+    const auto expected = leaves_by_definition(meta, cells, refinement, whole);
+    Leaves leaves(reader, refinement, folder.path());
+    expect_same(leaves_of(leaves, whole, 1 + seed % 3), expected);
+    CHECK(leaves.count(whole, 2, [](double) {}) == counted(expected));
+
+    Box region;
+    for (size_t d = 0; d < 3; ++d) region.lo[d] = random_int(random, 0, static_cast<int>(n[d]) - 1), region.hi[d] = random_int(random, static_cast<int>(region.lo[d]) + 1, static_cast<int>(n[d]));
+    Leaves alone(reader, refinement, folder.path());
+    expect_same(leaves_of(alone, region), leaves_by_definition(meta, cells, refinement, region));
+    expect_same(leaves_of(alone, whole), expected);  // what the region needed is there, and the rest is made
+  }
+}
+
+}  // namespace
+}  // namespace teracell
