@@ -8,12 +8,7 @@ namespace teracell::inline store {
 namespace {
 
 constexpr int kBlockLevel = RefinedBlock::kBits;  // of a block of tier 0 as one cell
-
-// A leaf within its block: the Morton code of its first cell there, and its level.
-struct Packed {
-  uint32_t code : 24, level : 8;
-  Label label;
-};
+constexpr size_t kBaseMemory = size_t{24} << 20;
 
 // Every third bit of a Morton code.
 uint32_t every_third(uint32_t code) {
@@ -26,66 +21,64 @@ uint32_t every_third(uint32_t code) {
 
 }  // namespace
 
-// A block of tier 0, or with level > kBlockLevel a leaf that holds several: as a cell of that level, by x, y, z.
-struct Leaves::Job {
-  int level;
-  Index3 cell;
-};
+Index3 cell_of_code(uint32_t code) { return {every_third(code), every_third(code >> 1), every_third(code >> 2)}; }
 
-// The blocks and larger leaves that meet a box, in Morton order.
-class Leaves::Jobs {
- public:
-  Jobs(const Leaves& leaves, const Box& box) : leaves_(leaves), box_(box) {
-    int root = std::max(kBlockLevel, leaves.coarsest());
-    for (int64_t d = 0; d < 3; ++d)
-      while (int64_t{1} << root < leaves.reader_.meta().grid.cells()[static_cast<size_t>(d)]) ++root;
-    waiting_.push_back({root, {0, 0, 0}});
+Leaves::Walk::Walk(const Leaves& leaves, const Box& box, int level) : leaves_(leaves), box_(box), level_(level) {
+  int root = std::max(level, leaves.coarsest());
+  for (const int64_t cells : leaves.reader_.meta().grid.cells())
+    while (int64_t{1} << root < cells) ++root;
+  waiting_.push_back({root, {0, 0, 0}});
+}
+
+std::optional<Subtree> Leaves::Walk::next() {
+  while (!waiting_.empty()) {
+    const Subtree s = waiting_.back();
+    waiting_.pop_back();
+    if (!meets(s)) continue;
+    if (s.level == level_ || (s.level <= leaves_.coarsest() && !leaves_.is_split(s.level, s.cell))) return s;
+    for (int child = 7; child >= 0; --child)
+      waiting_.push_back({s.level - 1, {2 * s.cell[0] + child % 2, 2 * s.cell[1] + child / 2 % 2, 2 * s.cell[2] + child / 4}});
   }
+  return std::nullopt;
+}
 
-  std::optional<Job> next() {
-    while (!waiting_.empty()) {
-      const Job job = waiting_.back();
-      waiting_.pop_back();
-      if (!meets(job)) continue;
-      if (job.level == kBlockLevel || (job.level <= leaves_.coarsest() && !leaves_.is_split(job.level, job.cell))) return job;
-      for (int child = 7; child >= 0; --child)
-        waiting_.push_back({job.level - 1, {2 * job.cell[0] + child % 2, 2 * job.cell[1] + child / 2 % 2, 2 * job.cell[2] + child / 4}});
-    }
-    return std::nullopt;
+bool Leaves::Walk::meets(const Subtree& s) const {
+  for (size_t d = 0; d < 3; ++d)
+    if (s.cell[d] << s.level >= box_.hi[d] || (s.cell[d] + 1) << s.level <= box_.lo[d]) return false;
+  return true;
+}
+
+std::optional<Subtree> Leaves::larger_leaf(const Subtree& s) const {
+  // What is above a cell that is split is split, so the largest that isn't is the leaf.
+  std::optional<Subtree> leaf;
+  for (Subtree above = s; above.level < coarsest(); leaf = above) {
+    ++above.level;
+    for (int64_t& c : above.cell) c >>= 1;
+    if (is_split(above.level, above.cell)) break;
   }
+  return leaf;
+}
 
- private:
-  bool meets(const Job& job) const {
-    for (size_t d = 0; d < 3; ++d)
-      if (job.cell[d] << job.level >= box_.hi[d] || (job.cell[d] + 1) << job.level <= box_.lo[d]) return false;
-    return true;
-  }
-
-  const Leaves& leaves_;
-  const Box box_;
-  std::vector<Job> waiting_;
-};
-
-// Goes down from a block to its leaves.
+// Goes down from a cell of a block of tier 0, or from the block, to its leaves.
 template <class Sink>
 class Leaves::Block {
  public:
-  Block(const Leaves& leaves, const Index3& at, const Box& box, Sink& sink)
-      : leaves_(leaves), box_{place(box.lo), place(box.hi)}, grid_{place(leaves.reader_.meta().grid.cells())}, base_(leaves.splits_.base(place(at))), sink_(sink) {
+  Block(const Leaves& leaves, const Splits::Base& base, const Subtree& from, const Box& box, Sink& sink)
+      : leaves_(leaves), box_{place(box.lo), place(box.hi)}, grid_{place(leaves.reader_.meta().grid.cells())}, base_(base), sink_(sink) {
     for (int child = 0; child < 8; ++child) steps_[static_cast<size_t>(child)] = place({child % 2, child / 2 % 2, child / 4});
     for (int level = 1; level <= std::min(leaves.coarsest(), kBlockLevel); ++level) {
       const int tier = (level - 1) / 2;
       const auto number = static_cast<size_t>(level - 1 - 2 * tier);
       const BlockSplits* splits = &base_.splits;
       if (tier > 0) {
-        Index3 above = place(at);
-        for (int64_t& a : above) a >>= 2 * tier;
+        Index3 above = place(from.cell);
+        for (int64_t& a : above) a >>= kBlockLevel - from.level + 2 * tier;
         held_.push_back(leaves.splits_.get({tier, above}));
         splits = held_.back().get();
       }
       if (number < splits->split.size()) split_[static_cast<size_t>(level)] = &splits->split[number];
     }
-    visit(kBlockLevel, place(at), 0);
+    visit(from.level, place(from.cell), 0);
   }
 
  private:
@@ -122,7 +115,7 @@ class Leaves::Block {
     Index3 lo, hi;
   } box_;
   const Index3 grid_;
-  const Splits::Base base_;
+  const Splits::Base& base_;
   Sink& sink_;
   std::array<Index3, 8> steps_;
   std::array<const Bits*, kBlockLevel + 1> split_{};
@@ -130,7 +123,7 @@ class Leaves::Block {
 };
 
 Leaves::Leaves(const GridReader& reader, const Refinement& refinement, const std::filesystem::path& folder)
-    : reader_(reader), frame_(reader.meta().frame()), splits_(reader, refinement, folder) {}
+    : reader_(reader), frame_(reader.meta().frame()), splits_(reader, refinement, folder), bases_(kBaseMemory) {}
 
 bool Leaves::is_split(int level, const Index3& cell) const {
   const int tier = (level - 1) / 2, above = level - 2 * tier;
@@ -141,16 +134,31 @@ bool Leaves::is_split(int level, const Index3& cell) const {
   return number < splits->split.size() && splits->split[number].get(cell[frame_.u], cell[frame_.v], cell[frame_.w]);
 }
 
+std::shared_ptr<const Splits::Base> Leaves::base(const Index3& block) const {
+  return bases_.get(block, [&] {
+    auto made = std::make_shared<const Splits::Base>(splits_.base({block[frame_.u], block[frame_.v], block[frame_.w]}));
+    const size_t bytes = made->memory();
+    return std::pair(std::move(made), bytes);
+  });
+}
+
 template <class Sink>
-void Leaves::visit(const Job& job, const Box& box, Sink&& sink) const {
-  if (job.level == kBlockLevel) {
-    Block<Sink>(*this, job.cell, box, sink);
+void Leaves::visit(const Subtree& s, const Box& box, Sink&& sink) const {
+  if (s.level == kBlockLevel) {  // it won't be asked for again
+    const Splits::Base made = splits_.base({s.cell[frame_.u], s.cell[frame_.v], s.cell[frame_.w]});
+    Block<Sink>(*this, made, s, box, sink);
+    return;
+  }
+  if (s.level < kBlockLevel) {
+    Index3 block = s.cell;
+    for (int64_t& c : block) c >>= kBlockLevel - s.level;
+    Block<Sink>(*this, *base(block), s, box, sink);
     return;
   }
   Index3 at{};
   const Index3 n = reader_.meta().grid.cells();
-  for (size_t d = 0; d < 3; ++d) at[d] = std::min((job.cell[d] << job.level) + (int64_t{1} << (job.level - 1)), n[d] - 1);
-  sink(0, job.level, splits_.label_of({at[frame_.u], at[frame_.v], at[frame_.w]}));
+  for (size_t d = 0; d < 3; ++d) at[d] = std::min((s.cell[d] << s.level) + (int64_t{1} << (s.level - 1)), n[d] - 1);
+  sink(0, s.level, splits_.label_of({at[frame_.u], at[frame_.v], at[frame_.w]}));
 }
 
 void Leaves::prepare(const Box& box, int threads, const std::function<void(double share)>& progress) {
@@ -171,29 +179,27 @@ double share_of(const Box& box, const Index3& first) {
 void Leaves::for_each(const Box& box, int threads, const std::function<void(double share)>& progress,
                       const std::function<void(std::span<const Leaf>)>& take) const {
   struct Found {
-    Job job;
-    std::vector<Packed> leaves;
+    Subtree subtree;
+    std::vector<LeafInSubtree> leaves;
   };
-  Jobs jobs(*this, box);
+  Walk walk(*this, box, kBlockLevel);
   std::vector<Leaf> out;
   in_order(
-      threads, [&] { return jobs.next(); },
-      [&](const Job& job, int) {
-        Found found{job, {}};
-        visit(job, box, [&](uint32_t code, int level, Label label) { found.leaves.push_back({code, static_cast<uint8_t>(level), label}); });
+      threads, [&] { return walk.next(); },
+      [&](const Subtree& s, int) {
+        Found found{s, {}};
+        visit(s, box, [&](uint32_t code, int level, Label label) { found.leaves.push_back({code, static_cast<uint8_t>(level), label}); });
         return found;
       },
       [&](const Found& found) {
-        const Index3 first{found.job.cell[0] << found.job.level, found.job.cell[1] << found.job.level, found.job.cell[2] << found.job.level};
+        const Index3 first = found.subtree.first();
         progress(share_of(box, first));
         constexpr size_t kAtOnce = 1 << 14;
         for (size_t i = 0; i < found.leaves.size(); ++i) {
-          const Packed& leaf = found.leaves[i];
-          const int level = static_cast<int>(leaf.level);
-          out.push_back({{(first[0] + every_third(leaf.code)) >> level, (first[1] + every_third(leaf.code >> 1)) >> level,
-                          (first[2] + every_third(leaf.code >> 2)) >> level},
-                         level,
-                         leaf.label});
+          const LeafInSubtree& leaf = found.leaves[i];
+          const auto level = static_cast<int>(leaf.level);
+          const Index3 cell = cell_of_code(leaf.code);
+          out.push_back({{(first[0] + cell[0]) >> level, (first[1] + cell[1]) >> level, (first[2] + cell[2]) >> level}, level, leaf.label});
           if (out.size() < kAtOnce) continue;
           take(out);
           out.clear();
@@ -205,29 +211,35 @@ void Leaves::for_each(const Box& box, int threads, const std::function<void(doub
 
 LeafCounts Leaves::count(const Box& box, int threads, const std::function<void(double share)>& progress) const {
   struct Found {
-    Job job;
+    Subtree subtree;
     LeafCounts counts;
   };
   LeafCounts out;
-  Jobs jobs(*this, box);
+  Walk walk(*this, box, kBlockLevel);
   in_order(
-      threads, [&] { return jobs.next(); },
-      [&](const Job& job, int) {
-        Found found{job, {}};
+      threads, [&] { return walk.next(); },
+      [&](const Subtree& s, int) {
+        Found found{s, {}};
         // Leaves that follow each other are mostly alike.
         uint64_t* last = nullptr;
         std::pair<int, Label> what{-1, 0};
-        visit(job, box, [&](uint32_t, int level, Label label) {
+        visit(s, box, [&](uint32_t, int level, Label label) {
           if (what != std::pair(level, label)) what = {level, label}, last = &found.counts[what];
           ++*last;
         });
         return found;
       },
       [&](const Found& found) {
-        progress(share_of(box, {found.job.cell[0] << found.job.level, found.job.cell[1] << found.job.level, found.job.cell[2] << found.job.level}));
+        progress(share_of(box, found.subtree.first()));
         for (const auto& [what, number] : found.counts) out[what] += number;
       },
       64);
+  return out;
+}
+
+std::vector<LeafInSubtree> Leaves::leaves_of(const Subtree& s, const Box& box) const {
+  std::vector<LeafInSubtree> out;
+  visit(s, box, [&](uint32_t code, int level, Label label) { out.push_back({code, static_cast<uint8_t>(level), label}); });
   return out;
 }
 

@@ -17,6 +17,20 @@ struct Leaf {
   friend bool operator==(const Leaf&, const Leaf&) = default;
 };
 
+// A cell of a level above 0: with its leaves, or a leaf itself.
+struct Subtree {
+  int level;
+  Index3 cell;
+  Index3 first() const { return {cell[0] << level, cell[1] << level, cell[2] << level}; }
+};
+// A leaf of a subtree. A code of at most 24 bits is the Morton code of the leaf's first level-0 cell, counted from that of the subtree.
+struct LeafInSubtree {
+  uint32_t code : 24, level : 8;
+  Label label;
+};
+// The first level-0 cell, from that of the subtree on.
+Index3 cell_of_code(uint32_t code);
+
 // Leaves by level and label.
 using LeafCounts = std::map<std::pair<int, Label>, uint64_t>;
 
@@ -35,18 +49,42 @@ class Leaves {
                 const std::function<void(std::span<const Leaf>)>& take) const;
   LeafCounts count(const Box& box, int threads, const std::function<void(double share)>& progress) const;
 
+  // What for_each() goes through, for those who go through it otherwise. The subtrees that meet a box, in Morton order: those of a level, and
+  // larger leaves. REQUIRES: the level is from 3 to 7.
+  class Walk {
+   public:
+    Walk(const Leaves& leaves, const Box& box, int level);
+    std::optional<Subtree> next();
+
+   private:
+    bool meets(const Subtree& s) const;
+    const Leaves& leaves_;
+    const Box box_;
+    const int level_;
+    std::vector<Subtree> waiting_;
+  };
+  // The leaf that holds a subtree's cell and more, if there is one. REQUIRES: the level is above 2.
+  std::optional<Subtree> larger_leaf(const Subtree& s) const;
+  // The leaves of such a subtree that have a cell in the box, in Morton order. Subtrees beside each other are made together, and kept for a while.
+  std::vector<LeafInSubtree> leaves_of(const Subtree& s, const Box& box) const;
+
  private:
-  struct Job;
-  class Jobs;
   template <class Sink>
   class Block;
-  bool is_split(int level, const Index3& cell) const;  // of a level above that of a block of tier 0
+  bool is_split(int level, const Index3& cell) const;  // of a level above 2
+  std::shared_ptr<const Splits::Base> base(const Index3& block) const;
   template <class Sink>
-  void visit(const Job& job, const Box& box, Sink&& sink) const;
+  void visit(const Subtree& s, const Box& box, Sink&& sink) const;
 
   const GridReader& reader_;
   const RayFrame frame_;
   Splits splits_;
+  struct PlaceHash {
+    size_t operator()(const Index3& at) const {
+      return ChunkKeyHash{}({0, static_cast<uint32_t>(at[0]), static_cast<uint32_t>(at[1]), static_cast<uint32_t>(at[2])});
+    }
+  };
+  mutable LruCache<Index3, Splits::Base, PlaceHash> bases_;
 };
 
 }  // namespace teracell::store

@@ -47,6 +47,7 @@ class Splits {
     std::optional<Label> label;
     std::optional<Window> window;
     BlockSplits splits;  // empty: nothing
+    size_t memory() const { return sizeof *this + splits.memory() + (window ? window->memory() : 0); }
   };
   Base base(const Index3& block) const;
   // Of a tier above 0; empty: nothing is split.

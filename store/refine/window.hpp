@@ -23,6 +23,8 @@ class Window {
     const NamedRuns& r = ray(u, v);
     return r.names[r.run_at(static_cast<uint32_t>(w - base_))];
   }
+  // Without the chunks, which others may have, too.
+  size_t memory() const { return sizeof *this + rays_.capacity() * sizeof rays_[0]; }
 
  private:
   Box box_;

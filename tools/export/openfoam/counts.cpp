@@ -53,6 +53,17 @@ int64_t PartCounts::all_faces() const {
   return sum;
 }
 
+int64_t PartCounts::corners_of(FaceGroup group) const {
+  if (corners.empty()) return 4 * faces.at(group);
+  return corners.at(group);
+}
+
+int64_t PartCounts::all_corners() const {
+  int64_t sum = 0;
+  for (const auto& [group, count] : faces) sum += corners_of(group);
+  return sum;
+}
+
 int64_t MeshCounts::all_faces() const {
   int64_t sum = inner;
   for (const auto& [what, count] : patches) sum += count;

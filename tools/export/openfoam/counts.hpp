@@ -15,8 +15,11 @@ constexpr FaceGroup shared_with(uint32_t part) { return kShared + part; }
 struct PartCounts {
   int64_t cells = 0, points = 0;
   std::map<FaceGroup, int64_t> faces;
-  std::map<uint32_t, int64_t> zones;  // cells of each material
+  std::map<FaceGroup, int64_t> corners;  // of all faces of a group; empty: each face has four
+  std::map<uint32_t, int64_t> zones;     // cells of each material
   int64_t all_faces() const;
+  int64_t corners_of(FaceGroup group) const;
+  int64_t all_corners() const;
 };
 
 struct MeshCounts {

@@ -81,10 +81,18 @@ MeshFiles::MeshFiles(const std::filesystem::path& folder, uint32_t part, const P
   single_list(neighbour, "neighbour", "labelList", inner_faces, sizeof(int32_t), note);
 
   ListFile face_file(folder, "faces", "faceCompactList", true);
-  Stream corners(streams, face_file.list(faces + 1, sizeof(int32_t)));  // where each face begins in the list of all corners
-  for (int64_t i = 0; i <= faces; ++i) corners.put(static_cast<int32_t>(4 * i));
-  corners.close();
-  Place faces_at = face_file.list(4 * faces, sizeof(int32_t));
+  const int64_t corners = counts.all_corners();
+  Place begins_at = face_file.list(faces + 1, sizeof(int32_t));  // where each face begins in the list of all corners
+  if (counts.corners.empty()) {
+    Stream begins(streams, begins_at);
+    for (int64_t i = 0; i <= faces; ++i) begins.put(static_cast<int32_t>(4 * i));
+    begins.close();
+  } else {
+    Stream end(streams, {begins_at.file, begins_at.at + static_cast<uint64_t>(faces) * sizeof(int32_t)});
+    end.put(static_cast<int32_t>(corners));
+    end.close();
+  }
+  Place faces_at = face_file.list(corners, sizeof(int32_t));
   ListFile owner_file(folder, "owner", "labelList", true, note);
   Place owner_at = owner_file.list(faces, sizeof(int32_t));
   std::optional<Place> address_at;
@@ -99,9 +107,21 @@ MeshFiles::MeshFiles(const std::filesystem::path& folder, uint32_t part, const P
     patch_stream->close();
     address_at = ListFile(folder, "faceProcAddressing", "labelList", true).list(faces, sizeof(int32_t));
   }
+  if (names.refined_from) {
+    single_list(cell_level, "cellLevel", "labelList", counts.cells, sizeof(int32_t));
+    single_list(point_level, "pointLevel", "labelList", counts.points, sizeof(int32_t));
+    if (*names.refined_from > 0)
+      ListFile(folder, "level0Edge", "uniformDimensionedScalarField", false)
+          .text(fmt::format("dimensions      [0 1 0 0 0 0 0];\n\nvalue           {};\n", *names.refined_from));
+  }
+  int64_t corner = 0;
   for (const auto& [g, count] : counts.faces) {
     Group& group = groups_.try_emplace(g, streams, faces_at, owner_at).first->second;
-    faces_at.at += static_cast<uint64_t>(count) * 4 * sizeof(int32_t);
+    group.corners = corner;
+    corner += counts.corners_of(g);
+    if (!counts.corners.empty()) group.begins.emplace(streams, begins_at);
+    begins_at.at += static_cast<uint64_t>(count) * sizeof(int32_t);
+    faces_at.at += static_cast<uint64_t>(counts.corners_of(g)) * sizeof(int32_t);
     owner_at.at += static_cast<uint64_t>(count) * sizeof(int32_t);
     if (!address_at) continue;
     group.address.emplace(streams, *address_at);
@@ -121,11 +141,12 @@ MeshFiles::MeshFiles(const std::filesystem::path& folder, uint32_t part, const P
 }
 
 void MeshFiles::close() {
-  for (std::optional<Stream>* stream : {&points, &neighbour, &point_address, &cell_address})
+  for (std::optional<Stream>* stream : {&points, &neighbour, &point_address, &cell_address, &cell_level, &point_level})
     if (*stream) (*stream)->close();
   for (auto& [g, group] : groups_) {
     group.faces.close(), group.owner.close();
-    if (group.address) group.address->close();
+    for (std::optional<Stream>* stream : {&group.begins, &group.address})
+      if (*stream) (*stream)->close();
   }
   for (auto& [material, zone] : zones_) zone.close();
 }

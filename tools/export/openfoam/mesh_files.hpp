@@ -20,6 +20,7 @@ struct NamedPatch {
 struct MeshNames {
   std::map<uint32_t, NamedPatch> patches;     // by what lies beyond
   std::map<uint32_t, std::string> zones;     // by material; empty: no zones
+  std::optional<double> refined_from;        // of a refined mesh of cubes: the edge of the coarsest; 0 where cells aren't cubes
   bool addressing = false;                   // whether parts tell their numbers in the whole mesh, for reconstructPar
 };
 
@@ -29,6 +30,8 @@ class MeshFiles {
   struct Group {
     Group(Streams& streams, const Place& faces_at, const Place& owner_at) : faces(streams, faces_at), owner(streams, owner_at) {}
     Stream faces, owner;
+    std::optional<Stream> begins;   // where each face's corners begin, unless each face has four
+    int64_t corners = 0;            // where those of the next face do
     std::optional<Stream> address;  // in the whole mesh
   };
 
@@ -38,7 +41,7 @@ class MeshFiles {
 
   Group& group(FaceGroup g) { return groups_.at(g); }
   Stream& zone(uint32_t material) { return zones_.at(material); }
-  std::optional<Stream> points, neighbour, point_address, cell_address;
+  std::optional<Stream> points, neighbour, point_address, cell_address, cell_level, point_level;
 
  private:
   std::map<FaceGroup, Group> groups_;

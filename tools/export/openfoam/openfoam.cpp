@@ -13,7 +13,7 @@
 #include "store/read/stats.hpp"
 #include "tools/export/openfoam/case_folder.hpp"
 #include "tools/export/openfoam/dictionaries.hpp"
-#include "tools/export/openfoam/mesh_writer.hpp"
+#include "tools/export/openfoam/refined_mesh.hpp"
 #include "tools/export/solvers.hpp"
 
 namespace teracell::exports {
@@ -55,7 +55,7 @@ bool fits_labels(int64_t points, int64_t cells, int64_t faces) { return points <
 
 void expect_labels(const MeshCounts& counts) {
   for (const PartCounts& part : counts.parts)
-    if (!fits_labels(part.points, part.cells, part.all_faces()))
+    if (!fits_labels(part.points, part.cells, (part.all_corners() + 3) / 4))
       throw UsageError(fmt::format("OpenFOAM's 32-bit labels hold a mesh of {} faces, a part of this one has {}: give --ranks {} or more", kMostFaces,
                                    part.all_faces(), counts.all_faces() / (kMostFaces * 9 / 10) + 1));
 }
@@ -96,30 +96,44 @@ int64_t look(const Division& d, Regions* regions, const std::function<void(int64
   return regions->cells_kept();
 }
 
-void write_case(const Export& asked) {
-  const Export e = for_layers(asked);
-  const uint32_t ranks = ranks_of(e);
-  const double scale = metres(e.reader.meta().units, "OpenFOAM");
-  if (e.has("--patches") && e.level != 0) throw UsageError(fmt::format("--patches: expected --level 0, whose cells have links, found {}", e.level));
-  std::optional<LinkReader> links;
-  if (e.has("--patches")) links.emplace(e.reader);
+std::vector<int64_t> begins_of_parts(int64_t cells, uint32_t ranks) {
+  if (cells < ranks) throw UsageError(fmt::format("--ranks: expected at most one rank per cell, found {} ranks for {} cells", ranks, cells));
+  std::vector<int64_t> out;
+  for (uint32_t part = 0; part <= ranks; ++part) out.push_back(cells / ranks * part + std::min<int64_t>(part, cells % ranks));
+  return out;
+}
+
+// The edge of the coarsest cells in metres, if cells are cubes; else 0.
+double coarsest_edge(const Grid& grid, int coarsest, double scale) {
+  for (const Axis& axis : grid.axis)
+    if (axis.is_graded() || axis.step() != grid.axis[0].step()) return 0;
+  return grid.axis[0].step() * static_cast<double>(int64_t{1} << coarsest) * scale;
+}
+
+// Leaves of an octree in place of equal cells.
+void write_refined(const Export& e, const Division& division, const CaseFolder& folder, uint32_t ranks, double scale) {
+  const auto share = [&](double from, double to) { return [&e, from, to](double done) { e.progress(from + (to - from) * done); }; };
+  const RefinedGrid refined(e, 0.1);
+  RefinedMesh mesh(e, refined, division.in_mesh, division.links, share(0.1, 0.2));
+  expect_cells(e, division, mesh.cells());
+  const MeshCounts counts = mesh.count(begins_of_parts(mesh.cells(), ranks), share(0.2, 0.5));
+  expect_labels(counts);
+  MeshNames names = names_of(e, counts);
+  names.refined_from = coarsest_edge(e.reader.meta().grid, refined.refinement().coarsest, scale);
+  mesh.write(counts, names, {[&](uint32_t part) { return folder.mesh(part); }, scale}, share(0.5, 1));
+}
+
+void write_equal(const Export& e, Division& division, const CaseFolder& folder, uint32_t ranks, double scale) {
   Regions regions;
-  Division division{e, cells_of_mesh(e), nullptr, {0, std::numeric_limits<int64_t>::max()}, links ? &*links : nullptr};
   const auto layers = static_cast<double>(size_of(e.box)[2]);
   const auto share = [&](double from, double to) {
     return [&, from, to](int64_t done) { e.progress(from + (to - from) * static_cast<double>(done) / layers); };
   };
-  expect_labels_for_cells(e, division, ranks);
-  e.progress(0);
-  CaseFolder folder(e.output, ranks, e.has("--ranks"));
-
   if (ranks > 1 || e.has("--drop-unreachable")) {
     const int64_t cells = look(division, e.has("--drop-unreachable") ? &regions : nullptr, share(0, 0.1));
     expect_cells(e, division, cells);
-    if (cells < ranks) throw UsageError(fmt::format("--ranks: expected at most one rank per cell, found {} ranks for {} cells", ranks, cells));
+    division.part_begin = begins_of_parts(cells, ranks);
     if (e.has("--drop-unreachable")) division.regions = &regions;
-    division.part_begin.clear();
-    for (uint32_t part = 0; part <= ranks; ++part) division.part_begin.push_back(cells / ranks * part + std::min<int64_t>(part, cells % ranks));
   }
   const MeshCounts counts = count(division, share(0.1, 0.25));
   expect_cells(e, division, counts.cells);
@@ -127,6 +141,22 @@ void write_case(const Export& asked) {
   MeshNames names = names_of(e, counts);
   names.addressing = e.has("--ranks") && fits_labels(counts.points, counts.cells, counts.all_faces());
   write_mesh(division, counts, names, {[&](uint32_t part) { return folder.mesh(part); }, scale}, share(0.25, 1));
+}
+
+void write_case(const Export& asked) {
+  const Export e = for_layers(asked);
+  const uint32_t ranks = ranks_of(e);
+  const double scale = metres(e.reader.meta().units, "OpenFOAM");
+  if (e.has("--patches") && e.level != 0) throw UsageError(fmt::format("--patches: expected --level 0, whose cells have links, found {}", e.level));
+  std::optional<LinkReader> links;
+  if (e.has("--patches")) links.emplace(e.reader);
+  Division division{e, cells_of_mesh(e), nullptr, {0, std::numeric_limits<int64_t>::max()}, links ? &*links : nullptr};
+  const bool refined = e.has("--refine");
+  if (!refined) expect_labels_for_cells(e, division, ranks);
+  e.progress(0);
+  CaseFolder folder(e.output, ranks, e.has("--ranks"));
+  if (refined) write_refined(e, division, folder, ranks, scale);
+  else write_equal(e, division, folder, ranks, scale);
   folder.commit();
   if (const auto other = e.has("--ranks") ? other_parts(e.output, ranks) : std::nullopt)
     e.tell(fmt::format("{}: system/decomposeParDict says numberOfSubdomains {}, and the mesh has {} parts: change it, or solvers refuse to start",
@@ -146,11 +176,11 @@ ExportFormat openfoam_format() {
           .holds = "a mesh in the folder of an OpenFOAM case",
           .write = foam::write_case,
           .numbers = false,
-          .options = {{"--fluid", "NAME,...", "the materials whose cells are the mesh; others are walls (default: the background)"},
+          .options = refined_options({{"--fluid", "NAME,...", "the materials whose cells are the mesh; others are walls (default: the background)"},
                       {"--patches", "", "walls are told apart by the patches of the surface (of a grid meshed with --links)"},
                       {"--zones", "", "a cellZone for each material; without --fluid the cells of all materials are the mesh"},
                       {"--drop-unreachable", "", "only the largest of the regions that don't touch through faces"},
-                      {"--ranks", "N", "parts of equally many cells, in processor0/ to processorN-1/"}}};
+                      {"--ranks", "N", "parts of equally many cells, in processor0/ to processorN-1/"}})};
 }
 
 }  // namespace teracell::exports
