@@ -9,6 +9,7 @@ struct LeafFace {
   LeafAt beyond;                 // the leaf on the other side; none: a side of the box
   int direction;                 // 0 to 2 upwards along x, y, z, 3 to 5 downwards
   LeafAt smaller;                // of both leaves, the one that has the face as a whole
+  bool finer;                    // that is the one beyond. No cell around it is so fine that its edges could have middles: they touch the cell
   int64_t plane;                 // where it lies on its axis
   int axis() const { return direction % 3; }
   bool up() const { return direction < 3; }
@@ -21,19 +22,19 @@ void for_each_face(NearLeaves& near, const LeafAt& cell, F&& f) {
     const auto a = static_cast<size_t>(direction % 3), b = (a + 1) % 3, c = (a + 2) % 3;
     const bool up = direction < 3;
     const int64_t plane = up ? cell.hi(a) : cell.lo(a);
-    Index3 next = cell.lower();
-    next[a] = up ? plane : plane - 1;
-    const auto beyond = near.at(next);
+    const LeafAt beyond = near.beside(cell, a, up);
     if (!beyond || beyond.level >= cell.level) {
-      f(LeafFace{beyond, direction, cell, plane});
+      f(LeafFace{beyond, direction, cell, false, plane});
       continue;
     }
     const auto half_b = cell.half(b), half_c = cell.half(c);
+    Index3 next{};
+    next[a] = up ? plane : plane - 1;
     for (int k = 0; k < (half_c ? 2 : 1); ++k)
       for (int j = 0; j < (half_b ? 2 : 1); ++j) {
         next[b] = j == 0 ? cell.lo(b) : *half_b, next[c] = k == 0 ? cell.lo(c) : *half_c;
         const LeafAt finer = near.at(next);
-        f(LeafFace{finer, direction, finer, plane});
+        f(LeafFace{finer, direction, finer, true, plane});
       }
   }
 }
@@ -53,7 +54,7 @@ void for_each_corner(const LeafFace& face, F&& f, G&& g) {
     f(p);
     const size_t along = in_plane[step % 2];
     Index3 middle = p;
-    if (const auto half = leaf.half(along)) {
+    if (const auto half = face.finer ? std::nullopt : leaf.half(along)) {
       middle[along] = *half;
       g(middle);
     }

@@ -1,26 +1,19 @@
 #include "tools/export/openfoam/refined_mesh.hpp"
 
 #include <algorithm>
+#include <bit>
+#include <numeric>
 
 #include "tools/export/openfoam/leaf_faces.hpp"
 #include "tools/export/place.hpp"
 
 namespace teracell::exports::foam {
+using GroupOut = RefinedMesh::GroupOut;
+using PartOut = RefinedMesh::PartOut;
+
 namespace {
 
-// What a block has for one group of faces of one part.
-struct GroupOut {
-  FaceGroup group;
-  std::vector<int32_t> corners, owner, neighbour;
-  std::vector<uint8_t> sizes;  // corners of each face
-};
-struct PartOut {
-  uint32_t part;
-  std::vector<std::array<double, 3>> points;
-  std::vector<int32_t> point_level, cell_level;
-  std::vector<std::pair<uint32_t, std::vector<int32_t>>> zones;  // by material: cells
-  std::vector<GroupOut> groups;
-};
+constexpr int64_t kMostKept = 1 << 20;  // cells whose faces are kept between counting and writing: 150 MB
 
 template <class List, class Key, class Make>
 auto& entry_of(List& list, const Key& key, Make&& make) {
@@ -87,40 +80,49 @@ class RefinedMesh::Block {
   // face(cell, part, LeafFace, number of the cell beyond, or negative, and its part): sorted by the number of the cell beyond, those at the rim last.
   template <class Cell, class Face>
   void for_each_cell(Cell&& cell, Face&& face) {
-    std::vector<std::pair<int64_t, LeafFace>> owned;
+    std::vector<LeafFace> faces;
+    std::vector<std::pair<int64_t, uint32_t>> owned;  // by the number of the cell beyond
     for (uint32_t i = 0; i < block_->size(); ++i) {
       const LeafAt leaf = near_.leaf(*block_, i);
       if (!leaf.in_mesh()) continue;
       const int64_t number = leaf.number();
       const uint32_t part = part_of(mesh_.begins_, number);
+      begin(leaf, part);
       cell(leaf, number, part);
-      owned.clear();
+      faces.clear(), owned.clear();
       for_each_face(near_, leaf, [&](const LeafFace& f) {
-        if (!f.beyond || !f.beyond.in_mesh()) owned.emplace_back(std::numeric_limits<int64_t>::max(), f);
-        else if (f.beyond.number() > number) owned.emplace_back(f.beyond.number(), f);
+        const bool inner = f.beyond && f.beyond.in_mesh();
+        if (inner && f.beyond.number() < number) return;
+        owned.emplace_back(inner ? f.beyond.number() : kRim, static_cast<uint32_t>(faces.size()));
+        faces.push_back(f);
       });
-      std::ranges::stable_sort(owned, {}, &std::pair<int64_t, LeafFace>::first);
-      for (const auto& [beyond, f] : owned) {
-        const bool rim = beyond == std::numeric_limits<int64_t>::max();
-        face(number, part, f, rim ? -1 : beyond, rim ? part : part_of(mesh_.begins_, beyond));
-      }
+      std::ranges::sort(owned);
+      for (const auto& [beyond, i] : owned)
+        face(number, part, faces[i], beyond == kRim ? -1 : beyond, beyond == kRim ? part : part_of(mesh_.begins_, beyond));
     }
   }
 
-  int64_t corners(const LeafFace& face, uint32_t part) {
-    int64_t n = 4;
-    for_each_corner(face, [](const Index3&) {}, [&](const Index3& p) { n += points_.number(p, part, mesh_.mesh_.box) >= 0; });
+  // The corners of a face of the cell that for_each_cell() is at: how many, and their numbers in the cell's part.
+  size_t corners(const LeafFace& face) {
+    size_t n = 4;
+    for_each_corner(face, [](const Index3&) {}, [&](const Index3& p) { n += number(p) >= 0 ? 1 : 0; });
     return n;
   }
-  std::vector<int32_t> numbers(const LeafFace& face, uint32_t part) {
-    std::vector<int32_t> out;
+  void append(const LeafFace& face, std::vector<int32_t>& out) {
     for_each_corner(
-        face, [&](const Index3& p) { out.push_back(static_cast<int32_t>(points_.number(p, part, mesh_.mesh_.box))); },
+        face, [&](const Index3& p) { out.push_back(static_cast<int32_t>(number(p))); },
         [&](const Index3& p) {
-          const int64_t number = points_.number(p, part, mesh_.mesh_.box);
-          if (number >= 0) out.push_back(static_cast<int32_t>(number));
+          if (const int64_t n = number(p); n >= 0) out.push_back(static_cast<int32_t>(n));
         });
-    return out;
+  }
+  // Appends them as the other part has them, reversed; the first one stays.
+  void append_reversed(const LeafFace& face, uint32_t other, std::vector<int32_t>& out) {
+    const size_t begin = out.size();
+    const auto put = [&](const Index3& p) {
+      if (const int64_t n = points_.number(p, other, mesh_.mesh_.box); n >= 0) out.push_back(static_cast<int32_t>(n));
+    };
+    for_each_corner(face, put, put);
+    std::reverse(out.begin() + static_cast<std::ptrdiff_t>(begin) + 1, out.end());
   }
   uint32_t what(const LeafFace& face) { return walls_.what(face); }
 
@@ -128,16 +130,17 @@ class RefinedMesh::Block {
   template <class Point>
   void for_each_point(Point&& point) {
     const auto owned = mesh_.points_->block(block_->at);
-    for (uint32_t i = 0; i < block_->size(); ++i) {
-      if (owned->begin[i] == owned->begin[i + 1]) continue;
+    const auto tell = [&](uint32_t i, uint32_t part, const PointBlock::Entry& entry) {
+      if (entry.points == 0) return;
       const LeafAt leaf = near_.leaf(*block_, i);
-      for (uint32_t e = owned->begin[i]; e < owned->begin[i + 1]; ++e)
-        for (uint32_t number = 0; number < 27; ++number) {
-          if ((owned->entries[e].points >> number & 1) == 0) continue;
-          const Index3 p = LeafPoints::place(leaf, number);
-          point(owned->entries[e].part, p, coarsest_at(p));
-        }
-    }
+      for (uint32_t rest = entry.points; rest != 0; rest &= rest - 1) {
+        const auto number = static_cast<uint32_t>(std::countr_zero(rest));
+        const Index3 p = LeafPoints::place(leaf, number);
+        point(part, p, coarsest_at(leaf, number, p));
+      }
+    };
+    for (uint32_t i = 0; i < block_->size(); ++i) tell(i, owned->part, owned->entries[i]);
+    for (const PointBlock::Other& other : owned->others) tell(other.leaf, other.part, other.entry);
   }
 
  private:
@@ -145,11 +148,18 @@ class RefinedMesh::Block {
     Box out;
     for (size_t d = 0; d < 3; ++d) out.lo[d] = (at[d] << LeafBlock::kBits) - 1, out.hi[d] = ((at[d] + 1) << LeafBlock::kBits) + 1;
     for (uint32_t i = 0; i < block_->size(); ++i)  // a larger leaf reaches beyond its block
-      if (block_->level[i] > LeafBlock::kBits)
-        for (size_t d = 0; d < 3; ++d) out.hi[d] = out.lo[d] + 2 + (int64_t{1} << block_->level[i]);
+      if (block_->leaves[i].level > LeafBlock::kBits)
+        for (size_t d = 0; d < 3; ++d) out.hi[d] = out.lo[d] + 2 + (int64_t{1} << block_->leaves[i].level);
     return out;
   }
-  int coarsest_at(const Index3& p) {
+  // Mostly the owner's level tells: a coarser leaf has no corner between its own, and what lies in the middle of an edge or a face is the corner of
+  // leaves that are one level finer.
+  int coarsest_at(const LeafAt& owner, uint32_t number, const Index3& p) {
+    if (number == 0 && owner.in_mesh()) {
+      const int64_t coarser = int64_t{1} << (owner.level + 1);
+      for (size_t d = 0; d < 3; ++d)
+        if (p[d] % coarser != 0 && p[d] > mesh_.mesh_.box.lo[d]) return owner.level;
+    }
     int of_mesh = -1, of_any = 0;
     for (const LeafAt& leaf : near_.around(p)) {
       if (!leaf || !leaf.has_corner(p)) continue;
@@ -159,6 +169,26 @@ class RefinedMesh::Block {
     return of_mesh >= 0 ? of_mesh : of_any;
   }
 
+  // What is known of the points of cells before holds for this one if both are among the same eight.
+  void begin(const LeafAt& cell, uint32_t part) {
+    const Index3 corner = cell.level > 0 ? cell.first : Index3{cell.first[0] & ~1, cell.first[1] & ~1, cell.first[2] & ~1};
+    if (cell.level != cell_.level || cell.level > 0 || corner != corner_ || part != part_) known_.fill(kUnknown);
+    cell_ = cell, corner_ = corner, part_ = part;
+  }
+  // Of a corner or the middle of an edge: each is asked for by several faces.
+  int64_t number(const Index3& p) {
+    size_t place = 0;
+    for (size_t d = 3; d-- > 0;)
+      place = place * 3 + (cell_.level == 0 ? static_cast<size_t>(p[d] - corner_[d]) : p[d] == cell_.lo(d) ? 0 : p[d] == cell_.hi(d) ? 2 : 1);
+    if (known_[place] == kUnknown) known_[place] = points_.number(p, part_, mesh_.mesh_.box);
+    return known_[place];
+  }
+
+  static constexpr int64_t kUnknown = -2, kRim = std::numeric_limits<int64_t>::max();
+  LeafAt cell_;
+  Index3 corner_{};
+  uint32_t part_ = 0;
+  std::array<int64_t, 27> known_{};
   const RefinedMesh& mesh_;
   const std::shared_ptr<const LeafBlock> block_;
   NearLeaves near_;
@@ -168,137 +198,112 @@ class RefinedMesh::Block {
 
 RefinedMesh::RefinedMesh(const Export& e, const RefinedGrid& refined, const std::vector<bool>& in_mesh, const LinkReader* links,
                          const std::function<void(double share)>& progress)
-    : e_(e), links_(links), mesh_{e.box, in_mesh}, grid_(refined, mesh_) {
+    : e_(e), links_(links), coarsest_(refined.refinement().coarsest), mesh_{e.box, in_mesh}, grid_(refined, mesh_) {
   grid_.number(progress, [](const LeafBlock&) {});
+}
+
+// What a block has for the files; without numbers, only as much as has to be counted.
+std::vector<PartOut> RefinedMesh::make(const Index3& at, bool numbers) const {
+  std::vector<PartOut> out;
+  Block block(*this, at);
+  if (numbers)
+    block.for_each_point([&](uint32_t part, const Index3& p, int level) {
+      PartOut& own = part_in(out, part);
+      std::array<double, 3> place{};
+      for (int d = 0; d < 3; ++d) {
+        const auto axis = static_cast<size_t>(d);
+        place[axis] = plane_of(e_, d, p[axis] - mesh_.box.lo[axis]);
+      }
+      own.points.push_back(place);
+      own.point_level.push_back(static_cast<int8_t>(coarsest_ - level));
+    });
+  block.for_each_cell(
+      [&](const LeafAt& leaf, int64_t number, uint32_t part) {
+        PartOut& own = part_in(out, part);
+        own.cell_level.push_back(static_cast<int8_t>(coarsest_ - leaf.level));
+        const auto make_zone = [&] { return std::pair(leaf.material(), std::vector<int32_t>()); };
+        entry_of(own.zones, [&](const auto& z) { return z.first == leaf.material(); }, make_zone).second.push_back(static_cast<int32_t>(number - begins_[part]));
+      },
+      [&](int64_t number, uint32_t part, const LeafFace& face, int64_t beyond, uint32_t other) {
+        const auto put = [&](uint32_t in, FaceGroup group, int64_t owner) -> GroupOut& {
+          GroupOut& g = group_in(part_in(out, in), group);
+          const size_t before = g.corners.size();
+          if (!numbers) {
+            g.sizes.push_back(static_cast<uint8_t>(block.corners(face)));
+            return g;
+          }
+          if (in == part) block.append(face, g.corners);
+          else block.append_reversed(face, in, g.corners);
+          g.sizes.push_back(static_cast<uint8_t>(g.corners.size() - before));
+          g.owner.push_back(static_cast<int32_t>(owner - begins_[in]));
+          return g;
+        };
+        if (beyond < 0) put(part, block.what(face), number);
+        else if (part == other) put(part, kInner, number).neighbour.push_back(static_cast<int32_t>(beyond - begins_[part]));
+        else put(part, shared_with(other), number), put(other, shared_with(part), beyond);
+      });
+  return out;
 }
 
 MeshCounts RefinedMesh::count(const PartBegins& begins, const std::function<void(double share)>& progress) {
   begins_ = begins;
   points_.emplace(grid_, begins_);
-  points_->number([&](double share) { progress(share / 2); });
-  const size_t parts = begins.size() - 1;
-  using Counts = std::vector<std::pair<uint32_t, PartCounts>>;
+  points_->number([&](double share) { progress(share / 4); });
   MeshCounts out;
-  out.parts.resize(parts);
+  out.parts.resize(begins.size() - 1);
+  const bool keep = cells() <= kMostKept;
   grid_.for_each_block(
-      [&](double share) { progress((1 + share) / 2); },
-      [&](const Index3& at) {
-        Counts counts;
-        const auto of = [&](uint32_t part) -> PartCounts& {
-          return entry_of(counts, [&](const auto& c) { return c.first == part; }, [&] { return std::pair(part, PartCounts{}); }).second;
-        };
-        Block block(*this, at);
-        // The maps are asked once for many faces in a row that are alike.
-        uint32_t last_part = ~0U;
-        FaceGroup last_group = 0;
-        int64_t *faces = nullptr, *corners = nullptr;
-        const auto add = [&](uint32_t part, FaceGroup group, int64_t n) {
-          if (part != last_part || group != last_group || faces == nullptr) {
-            PartCounts& c = of(part);
-            faces = &c.faces[group], corners = &c.corners[group];
-            last_part = part, last_group = group;
+      [&](double share) { progress((1 + 3 * share) / 4); },
+      [&](const Index3& at) { return std::pair(at, make(at, keep)); },
+      [&](std::pair<Index3, std::vector<PartOut>> made) {
+        for (const PartOut& part : made.second) {
+          PartCounts& own = out.parts[part.part];
+          own.cells += static_cast<int64_t>(part.cell_level.size());
+          for (const auto& [material, cells] : part.zones) own.zones[material] += static_cast<int64_t>(cells.size());
+          for (const GroupOut& g : part.groups) {
+            const auto faces = static_cast<int64_t>(g.sizes.size());
+            own.faces[g.group] += faces;
+            own.corners[g.group] += std::accumulate(g.sizes.begin(), g.sizes.end(), int64_t{0});
+            if (g.group == kInner) out.inner += faces;
+            else if (g.group < kShared) out.patches[static_cast<uint32_t>(g.group)] += faces;
           }
-          ++*faces, *corners += n;
-        };
-        block.for_each_cell(
-            [&](const LeafAt& leaf, int64_t, uint32_t part) {
-              PartCounts& c = of(part);
-              ++c.cells, ++c.zones[leaf.material()];
-              faces = nullptr;
-            },
-            [&](int64_t, uint32_t part, const LeafFace& face, int64_t beyond, uint32_t other) {
-              const int64_t n = block.corners(face, part);
-              if (beyond < 0) add(part, block.what(face), n);
-              else if (part == other) add(part, kInner, n);
-              else add(part, shared_with(other), n), add(other, shared_with(part), n);
-            });
-        return counts;
-      },
-      [&](const Counts& counts) {
-        for (const auto& [part, c] : counts) {
-          PartCounts& own = out.parts[part];
-          own.cells += c.cells, out.cells += c.cells;
-          for (const auto& [material, cells] : c.zones) own.zones[material] += cells;
-          for (const auto& [group, faces] : c.faces) {
-            own.faces[group] += faces;
-            if (group == kInner) out.inner += faces;
-            else if (group < kShared) out.patches[static_cast<uint32_t>(group)] += faces;
-          }
-          for (const auto& [group, corners] : c.corners) own.corners[group] += corners;
         }
+        if (keep) kept_[made.first] = std::move(made.second);
       });
-  for (uint32_t part = 0; part < parts; ++part) {
+  out.cells = cells();
+  for (uint32_t part = 0; part < out.parts.size(); ++part) {
     out.parts[part].points = points_->points(part);
     out.parts[part].corners.try_emplace(kInner, 0), out.parts[part].faces.try_emplace(kInner, 0);
   }
   return out;
 }
 
-void RefinedMesh::write(const MeshCounts& counts, const MeshNames& names, const MeshOutput& output,
-                        const std::function<void(double share)>& progress) const {
+void RefinedMesh::write(const MeshCounts& counts, const MeshNames& names, const MeshOutput& output, const std::function<void(double share)>& progress) {
   Streams streams;
   std::vector<std::unique_ptr<MeshFiles>> files;
   for (uint32_t part = 0; part < counts.parts.size(); ++part)
     files.push_back(std::make_unique<MeshFiles>(output.folder(part), part, counts.parts[part], names, streams));
-  const int coarsest = grid_.refined().refinement().coarsest;
   grid_.for_each_block(
       progress,
       [&](const Index3& at) {
-        std::vector<PartOut> out;
-        Block block(*this, at);
-        block.for_each_point([&](uint32_t part, const Index3& p, int level) {
-          PartOut& own = part_in(out, part);
-          std::array<double, 3> place{};
-          for (int d = 0; d < 3; ++d) {
-            const auto axis = static_cast<size_t>(d);
-            place[axis] = plane_of(e_, d, p[axis] - mesh_.box.lo[axis]) * output.scale;
-          }
-          own.points.push_back(place);
-          own.point_level.push_back(coarsest - level);
-        });
-        block.for_each_cell(
-            [&](const LeafAt& leaf, int64_t number, uint32_t part) {
-              PartOut& own = part_in(out, part);
-              own.cell_level.push_back(coarsest - leaf.level);
-              if (names.zones.empty()) return;
-              entry_of(own.zones, [&](const auto& z) { return z.first == leaf.material(); }, [&] { return std::pair(leaf.material(), std::vector<int32_t>()); })
-                  .second.push_back(static_cast<int32_t>(number - begins_[part]));
-            },
-            [&](int64_t number, uint32_t part, const LeafFace& face, int64_t beyond, uint32_t other) {
-              const auto put = [&](uint32_t in, FaceGroup group, const std::vector<int32_t>& corners, int64_t owner) -> GroupOut& {
-                GroupOut& g = group_in(part_in(out, in), group);
-                g.corners.insert(g.corners.end(), corners.begin(), corners.end());
-                g.sizes.push_back(static_cast<uint8_t>(corners.size()));
-                g.owner.push_back(static_cast<int32_t>(owner - begins_[in]));
-                return g;
-              };
-              const std::vector<int32_t> corners = block.numbers(face, part);
-              if (beyond < 0) {
-                put(part, block.what(face), corners, number);
-              } else if (part == other) {
-                put(part, kInner, corners, number).neighbour.push_back(static_cast<int32_t>(beyond - begins_[part]));
-              } else {
-                put(part, shared_with(other), corners, number);
-                std::vector<int32_t> reversed = block.numbers(face, other);
-                std::reverse(reversed.begin() + 1, reversed.end());  // the first corner stays
-                put(other, shared_with(part), reversed, beyond);
-              }
-            });
-        return out;
+        const auto it = kept_.find(at);
+        return it != kept_.end() ? std::move(it->second) : make(at, true);
       },
       [&](const std::vector<PartOut>& out) {
         for (const PartOut& part : out) {
           MeshFiles& own = *files[part.part];
-          for (const auto& point : part.points) own.points->put(point);
-          for (const int32_t level : part.point_level) own.point_level->put(level);
-          for (const int32_t level : part.cell_level) own.cell_level->put(level);
+          for (std::array<double, 3> point : part.points) {
+            for (double& x : point) x *= output.scale;
+            own.points->put(point);
+          }
+          for (const int8_t level : part.point_level) own.point_level->put(int32_t{level});
+          for (const int8_t level : part.cell_level) own.cell_level->put(int32_t{level});
           for (const auto& [material, cells] : part.zones)
-            for (const int32_t cell : cells) own.zone(material).put(cell);
+            if (!names.zones.empty()) own.zone(material).put_all(cells);
           for (const GroupOut& g : part.groups) {
             MeshFiles::Group& group = own.group(g.group);
-            for (const int32_t corner : g.corners) group.faces.put(corner);
-            for (const int32_t cell : g.owner) group.owner.put(cell);
-            for (const int32_t cell : g.neighbour) own.neighbour->put(cell);
+            group.faces.put_all(g.corners), group.owner.put_all(g.owner);
+            if (!g.neighbour.empty()) own.neighbour->put_all(g.neighbour);
             for (const uint8_t size : g.sizes) group.begins->put(static_cast<int32_t>(std::exchange(group.corners, group.corners + size)));
           }
         }

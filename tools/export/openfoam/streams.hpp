@@ -36,6 +36,10 @@ class Stream {
     std::memcpy(buffer_.get() + size_, &value, sizeof(T));
     size_ += sizeof(T);
   }
+  template <class T>
+  void put_all(const std::vector<T>& values) {
+    for (const T& value : values) put(value);
+  }
   // Writes what was put.
   void close();
 

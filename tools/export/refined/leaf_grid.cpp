@@ -10,19 +10,16 @@ Index3 shifted_down(const Index3& cell, int bits) { return {cell[0] >> bits, cel
 
 }  // namespace
 
-size_t LeafBlock::memory() const {
-  return sizeof *this + starts.capacity() + before.capacity() * 4 + code.capacity() * 4 + level.capacity() + material.capacity() * 2 + number.capacity() * 4 +
-         label.capacity() * 4;
-}
+size_t LeafBlock::memory() const { return sizeof *this + eights.capacity() * sizeof eights[0] + leaves.capacity() * sizeof leaves[0]; }
 
 Index3 LeafBlock::first_cell(uint32_t i) const {
-  const Index3 inside = cell_of_code(code[i]);
+  const Index3 inside = cell_of_code(leaves[i].code);
   return {(at[0] << kBits) + inside[0], (at[1] << kBits) + inside[1], (at[2] << kBits) + inside[2]};
 }
 
 LeafGrid::LeafGrid(const RefinedGrid& refined, const MeshOfLeaves& mesh) : refined_(refined), mesh_(mesh), blocks_(kBlockMemory) {}
 
-std::shared_ptr<const LeafBlock> LeafGrid::make(const Index3& at) const {
+std::shared_ptr<LeafBlock> LeafGrid::make(const Index3& at) const {
   auto out = std::make_shared<LeafBlock>();
   out->at = at;
   const Leaves& leaves = refined_.leaves();
@@ -33,20 +30,20 @@ std::shared_ptr<const LeafBlock> LeafGrid::make(const Index3& at) const {
     out->cover.reset();
   }
   const std::vector<LeafInSubtree> found = leaves.leaves_of(from, mesh_.box);
-  out->starts.resize(kCodes / 8), out->before.resize(kCodes / 8);
+  int finest = LeafBlock::kBits;
+  for (const LeafInSubtree& leaf : found) finest = std::min<int>(finest, leaf.level);
+  out->shift = static_cast<uint32_t>(3 * finest);
+  out->eights.resize(std::max<size_t>(1, kCodes >> out->shift >> 3));
   const std::vector<LabelInfo>& labels = leaves.reader().meta().labels;
+  out->leaves.reserve(found.size());
   for (const LeafInSubtree& leaf : found) {
-    out->starts[leaf.code / 8] |= static_cast<uint8_t>(1 << leaf.code % 8);
-    ++out->before[leaf.code / 8];
-    out->code.push_back(leaf.code);
-    out->level.push_back(static_cast<uint8_t>(leaf.level));
-    out->label.push_back(leaf.label);
-    const uint32_t material = labels[leaf.label].material;
-    out->material.push_back(static_cast<uint16_t>(material));
-    out->number.push_back(mesh_.in_mesh[material] ? out->in_mesh++ : LeafBlock::kNotInMesh);
+    const uint32_t code = leaf.code >> out->shift, material = labels[leaf.label].material;
+    LeafBlock::Eight& eight = out->eights[code / 8];
+    eight.starts |= static_cast<uint8_t>(1 << code % 8), ++eight.before;
+    out->leaves.push_back({mesh_.in_mesh[material] ? out->in_mesh++ : LeafBlock::kNotInMesh, leaf.code, leaf.level, leaf.label, material});
   }
   uint32_t before = 0;
-  for (uint32_t& leaves : out->before) before += std::exchange(leaves, before);
+  for (LeafBlock::Eight& eight : out->eights) before += std::exchange(eight.before, before);
   if (const auto it = first_.find(at); it != first_.end()) out->first = it->second;
   return out;
 }
@@ -55,7 +52,7 @@ std::shared_ptr<const LeafBlock> LeafGrid::block(const Index3& at) const {
   return blocks_.get(at, [&] {
     auto made = make(at);
     const size_t bytes = made->memory();
-    return std::pair(std::move(made), bytes);
+    return std::pair(std::shared_ptr<const LeafBlock>(std::move(made)), bytes);
   });
 }
 
@@ -63,10 +60,12 @@ void LeafGrid::number(const std::function<void(double share)>& progress, const s
   std::unordered_map<Index3, int64_t, PlaceHash> first;
   for_each_block(
       progress, [&](const Index3& at) { return make(at); },
-      [&](const std::shared_ptr<const LeafBlock>& block) {
+      [&](const std::shared_ptr<LeafBlock>& block) {
+        block->first = cells_;
         if (block->in_mesh > 0) first[block->at] = cells_;
         cells_ += block->in_mesh;
         see(*block);
+        blocks_.add(block->at, block, block->memory());
       });
   first_ = std::move(first);
 }

@@ -28,18 +28,25 @@ struct LeafBlock {
 
   Index3 at;                     // of the block
   std::optional<Subtree> cover;  // the leaf that holds the block and more
-  // For each 2 x 2 x 2 cells, by Morton code: a bit for each cell that is the first of a leaf, and how many leaves begin before them.
-  std::vector<uint8_t> starts;
-  std::vector<uint32_t> before;
-  std::vector<uint32_t> code;  // of the first cell
-  std::vector<uint8_t> level;
-  std::vector<uint16_t> material;
-  std::vector<uint32_t> number;  // among the block's leaves in the mesh
-  std::vector<Label> label;
+  // For each 2 x 2 x 2 cells as large as the finest leaf, by Morton code: a bit for each cell that is the first of a leaf, and how many leaves
+  // begin before them.
+  struct Eight {
+    uint32_t before = 0;
+    uint8_t starts = 0;
+  };
+  std::vector<Eight> eights;
+  uint32_t shift = 0;  // from the codes of cells of level 0 to theirs
+  struct Leaf {
+    uint32_t number;  // among the block's leaves in the mesh
+    uint32_t code : 24, level : 8;  // of the first cell
+    Label label;
+    uint32_t material;
+  };
+  std::vector<Leaf> leaves;
   uint32_t in_mesh = 0;          // how many
   int64_t first = 0;             // number of the first of these in the mesh
 
-  size_t size() const { return level.size(); }
+  size_t size() const { return leaves.size(); }
   size_t memory() const;
   Index3 first_cell(uint32_t i) const;
 };
@@ -66,7 +73,7 @@ class LeafGrid {
   void for_each_block(const std::function<void(double share)>& progress, Make&& make, Take&& take) const;
 
  private:
-  std::shared_ptr<const LeafBlock> make(const Index3& at) const;
+  std::shared_ptr<LeafBlock> make(const Index3& at) const;
 
   const RefinedGrid& refined_;
   const MeshOfLeaves& mesh_;
@@ -89,9 +96,9 @@ struct LeafAt {
   const Box* cut = nullptr;
 
   explicit operator bool() const { return block != nullptr; }
-  bool in_mesh() const { return block->number[i] != LeafBlock::kNotInMesh; }
-  int64_t number() const { return block->first + block->number[i]; }
-  uint32_t material() const { return block->material[i]; }
+  bool in_mesh() const { return block->leaves[i].number != LeafBlock::kNotInMesh; }
+  int64_t number() const { return block->first + block->leaves[i].number; }
+  uint32_t material() const { return block->leaves[i].material; }
   int64_t lo(size_t d) const { return std::max(first[d], cut->lo[d]); }
   int64_t hi(size_t d) const { return std::min(first[d] + (int64_t{1} << level), cut->hi[d]); }
   Index3 lower() const { return {lo(0), lo(1), lo(2)}; }
@@ -120,16 +127,31 @@ class NearLeaves {
     const LeafBlock* b = &block(shifted_down(cell));
     if (b->cover) {
       b = &block(shifted_down(b->cover->first()));
-      return {b, 0, b->level[0], b->first_cell(0), &box_};
+      return leaf(*b, 0);
     }
     // The last leaf that begins at the cell or before it.
-    const uint32_t code = code_in_block(cell), group = code / 8;
-    const auto up_to = static_cast<uint8_t>(b->starts[group] & (0xFF >> (7 - code % 8)));
-    const uint32_t i = b->before[group] + kOnes[up_to] - 1;
-    const int level = b->level[i];
+    const uint32_t code = code_in_block(cell) >> b->shift, group = code / 8;
+    const LeafBlock::Eight& eight = b->eights[group];
+    const uint32_t i = eight.before + kOnes[eight.starts & (0xFF >> (7 - code % 8))] - 1;
+    const int level = b->leaves[i].level;
     return {b, i, level, {cell[0] >> level << level, cell[1] >> level << level, cell[2] >> level << level}, &box_};
   }
-  LeafAt leaf(const LeafBlock& block, uint32_t i) const { return {&block, i, block.level[i], block.first_cell(i), &box_}; }
+  // The leaf that holds the lowest cell beside a leaf across its upper or lower side on an axis.
+  LeafAt beside(const LeafAt& leaf, size_t axis, bool up) {
+    if (leaf.level == 0 && (leaf.first[axis] & 1) == (up ? 0 : 1)) {
+      // Mostly one of the same eight, which follow each other.
+      const uint32_t code = leaf.block->leaves[leaf.i].code;
+      if (leaf.block->eights[code / 8].starts == 0xFF) {
+        Index3 first = leaf.first;
+        first[axis] += up ? 1 : -1;
+        return {leaf.block, up ? leaf.i + (1U << axis) : leaf.i - (1U << axis), 0, first, &box_};
+      }
+    }
+    Index3 next = leaf.lower();
+    next[axis] = up ? leaf.hi(axis) : leaf.lo(axis) - 1;
+    return at(next);
+  }
+  LeafAt leaf(const LeafBlock& block, uint32_t i) const { return {&block, i, static_cast<int>(block.leaves[i].level), block.first_cell(i), &box_}; }
   // Those around a point, by octant: bit d is set where the leaf lies above it on axis d.
   using Around = std::array<LeafAt, 8>;
   Around around(const Index3& p) {

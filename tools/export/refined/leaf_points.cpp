@@ -43,6 +43,17 @@ uint32_t part_of(const PartBegins& begins, int64_t cell) {
   return static_cast<uint32_t>(std::ranges::upper_bound(begins, cell) - begins.begin() - 1);
 }
 
+const PointBlock::Entry* PointBlock::find(uint32_t leaf, uint32_t wanted) const {
+  if (wanted == part) return &entries[leaf];
+  const auto it = std::ranges::lower_bound(others, std::pair(leaf, wanted), {}, [](const Other& o) { return std::pair(o.leaf, o.part); });
+  return it != others.end() && it->leaf == leaf && it->part == wanted ? &it->entry : nullptr;
+}
+
+int64_t PointBlock::first(uint32_t wanted) const {
+  if (!parts.empty() && parts.front().first == wanted) return parts.front().second;
+  return std::ranges::find(parts, wanted, &std::pair<uint32_t, int64_t>::first)->second;
+}
+
 LeafPoints::LeafPoints(const LeafGrid& grid, const PartBegins& begins)
     : grid_(grid), begins_(begins), points_(begins.size() - 1), blocks_(kPointMemory) {}
 
@@ -58,17 +69,17 @@ PointBlock LeafPoints::make(const Index3& at) const {
   const auto block = grid_.block(at);
   NearLeaves near(grid_, at);
   const bool one_part = begins_.size() == 2;
-  std::vector<uint32_t> parts;
-  out.begin.push_back(0);
+  out.entries.resize(block->size());
+  if (block->in_mesh > 0) out.part = part_of(begins_, block->first);
   for (uint32_t i = 0; i < block->size(); ++i) {
     const LeafAt leaf = near.leaf(*block, i);
+    const size_t others = out.others.size();
     const auto add = [&](uint32_t part, uint32_t number) {
-      for (size_t e = out.begin.back(); e < out.entries.size(); ++e)
-        if (out.entries[e].part == part) {
-          out.entries[e].points |= uint32_t{1} << number;
-          return;
-        }
-      out.entries.push_back({part, uint32_t{1} << number, 0});
+      PointBlock::Entry* entry = part == out.part ? &out.entries[i] : nullptr;
+      for (size_t o = others; entry == nullptr && o < out.others.size(); ++o)
+        if (out.others[o].part == part) entry = &out.others[o].entry;
+      if (entry == nullptr) entry = &out.others.emplace_back(PointBlock::Other{i, part, {}}).entry;
+      entry->points |= uint32_t{1} << number;
     };
     std::array<bool, 9> has{};  // by axis: a place halfway, a place at the upper side
     for (size_t d = 0; d < 3; ++d) has[3 * d] = true, has[3 * d + 1] = leaf.half(d).has_value(), has[3 * d + 2] = leaf.hi(d) == grid_.box().hi[d];
@@ -88,16 +99,17 @@ PointBlock LeafPoints::make(const Index3& at) const {
       for (const LeafAt& beside : around)
         if (beside && beside.in_mesh()) add(part_of(begins_, beside.number()), number);
     }
-    std::sort(out.entries.begin() + out.begin.back(), out.entries.end(), [](const auto& a, const auto& b) { return a.part < b.part; });
-    for (size_t e = out.begin.back(); e < out.entries.size(); ++e) {
-      PointBlock::Entry& entry = out.entries[e];
-      auto it = std::ranges::find(out.parts, entry.part, &std::pair<uint32_t, int64_t>::first);
-      if (it == out.parts.end()) it = out.parts.insert(it, {entry.part, 0});
-      entry.first = static_cast<uint32_t>(it->second);
-      it->second += std::popcount(entry.points);
-    }
-    out.begin.push_back(static_cast<uint32_t>(out.entries.size()));
+    std::sort(out.others.begin() + static_cast<std::ptrdiff_t>(others), out.others.end(), [](const auto& a, const auto& b) { return a.part < b.part; });
   }
+  const auto count = [&](uint32_t part, PointBlock::Entry& entry) {
+    if (entry.points == 0) return;
+    auto it = std::ranges::find(out.parts, part, &std::pair<uint32_t, int64_t>::first);
+    if (it == out.parts.end()) it = out.parts.insert(it, {part, 0});
+    entry.first = static_cast<uint32_t>(it->second);
+    it->second += std::popcount(entry.points);
+  };
+  for (PointBlock::Entry& entry : out.entries) count(out.part, entry);
+  for (PointBlock::Other& other : out.others) count(other.part, other.entry);
   return out;
 }
 
@@ -135,16 +147,10 @@ int64_t NearPoints::number(const Index3& p, uint32_t part, const Box& box) {
   const Index3& at = leaf.block->at;
   auto it = std::ranges::find(blocks_, at, [](const auto& b) { return b.first; });
   if (it == blocks_.end()) it = blocks_.insert(it, {at, points_.block(at)});
-  const PointBlock& block = *it->second;
-  for (uint32_t e = block.begin[leaf.i]; e < block.begin[leaf.i + 1]; ++e) {
-    const PointBlock::Entry& entry = block.entries[e];
-    if (entry.part != part) continue;
-    const uint32_t bit = uint32_t{1} << number;
-    if ((entry.points & bit) == 0) return -1;
-    const int64_t first = std::ranges::find(block.parts, part, &std::pair<uint32_t, int64_t>::first)->second;
-    return first + entry.first + std::popcount(entry.points & (bit - 1));
-  }
-  return -1;
+  const PointBlock::Entry* const entry = it->second->find(leaf.i, part);
+  const uint32_t bit = uint32_t{1} << number;
+  if (entry == nullptr || (entry->points & bit) == 0) return -1;
+  return it->second->first(part) + entry->first + std::popcount(entry->points & (bit - 1));
 }
 
 }  // namespace teracell::exports

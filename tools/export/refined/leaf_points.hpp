@@ -13,14 +13,24 @@ using PartBegins = std::vector<int64_t>;  // the first cell of each part, and th
 uint32_t part_of(const PartBegins& begins, int64_t cell);
 
 struct PointBlock {
+  // What a part has of a leaf: a bit for each of the leaf's 27 places that it has a point at, and the number of the first of them among the
+  // block's.
   struct Entry {
-    uint32_t part, points;  // a bit for each of the leaf's 27 places that the part has a point at
-    uint32_t first;         // number of the first of them among the block's
+    uint32_t points = 0, first = 0;
   };
-  std::vector<Entry> entries;     // by leaf, then by part
-  std::vector<uint32_t> begin;    // of each leaf, and the end
+  uint32_t part = 0;           // the part that most leaves have points of
+  std::vector<Entry> entries;  // its own, by leaf
+  struct Other {
+    uint32_t leaf, part;
+    Entry entry;
+  };
+  std::vector<Other> others;   // of other parts, by leaf, then by part
   std::vector<std::pair<uint32_t, int64_t>> parts;  // that have points here: how many, and once all are numbered, the first number
-  size_t memory() const { return sizeof *this + entries.capacity() * sizeof entries[0] + begin.capacity() * 4 + parts.capacity() * sizeof parts[0]; }
+  const Entry* find(uint32_t leaf, uint32_t part) const;
+  int64_t first(uint32_t part) const;
+  size_t memory() const {
+    return sizeof *this + entries.capacity() * sizeof entries[0] + others.capacity() * sizeof others[0] + parts.capacity() * sizeof parts[0];
+  }
 };
 
 class LeafPoints {
