@@ -109,6 +109,12 @@ class LruCache {
     places_.erase(it);
   }
 
+  void clear() {
+    std::lock_guard lock(mutex_);
+    places_.clear(), entries_.clear();
+    bytes_ = 0;
+  }
+
   CacheCounts counts() const {
     std::lock_guard lock(mutex_);
     return {bytes_, most_, hits_, misses_, entries_.size()};

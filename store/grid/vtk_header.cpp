@@ -8,8 +8,12 @@
 namespace teracell::inline store {
 namespace {
 
-// Names by id. VTK's text arrays are the codes of their characters, each text ended by 0.
-std::string names(std::span<const MaterialInfo> materials) {
+void put_bytes(std::string& out, const void* data, size_t size) { out.append(static_cast<const char*>(data), size); }
+
+}  // namespace
+
+// VTK's text arrays are the codes of their characters, each text ended by 0.
+std::string vtk_names(std::span<const MaterialInfo> materials) {
   std::string out = fmt::format("<FieldData><Array type=\"String\" Name=\"materials\" NumberOfTuples=\"{}\" format=\"ascii\">", materials.size());
   for (const MaterialInfo& m : materials) {
     for (const char c : m.name) out += fmt::format("{} ", static_cast<int>(c));
@@ -17,10 +21,6 @@ std::string names(std::span<const MaterialInfo> materials) {
   }
   return out + "</Array></FieldData>\n";
 }
-
-void put_bytes(std::string& out, const void* data, size_t size) { out.append(static_cast<const char*>(data), size); }
-
-}  // namespace
 
 std::string vtk_count(uint64_t bytes) {
   Bytes out;
@@ -47,7 +47,7 @@ std::string vtk_header(const VtkGrid& grid, size_t bytes) {
     header += fmt::format(" Origin=\"{:.17g} {:.17g} {:.17g}\" Spacing=\"{:.17g} {:.17g} {:.17g}\"", grid.origin[0], grid.origin[1], grid.origin[2],
                           grid.step[0], grid.step[1], grid.step[2]);
   header += ">\n";
-  if (!grid.materials.empty()) header += names(grid.materials);
+  if (!grid.materials.empty()) header += vtk_names(grid.materials);
   header += fmt::format("<Piece Extent=\"0 {} 0 {} 0 {}\">\n", n[0], n[1], n[2]);
   uint64_t offset = 0;
   if (graded) {

@@ -19,6 +19,8 @@ struct VtkGrid {
   std::vector<std::string> shares = {};        // names of more arrays, of floats
 };
 
+// The names of materials by id, as a field of the file.
+std::string vtk_names(std::span<const MaterialInfo> materials);
 // What stands before the cells, which have `bytes` bytes each, little endian, x fastest. Each array of floats follows as its length in bytes
 // (vtk_count) and its numbers, in the same order.
 std::string vtk_header(const VtkGrid& grid, size_t bytes);

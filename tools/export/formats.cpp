@@ -19,6 +19,7 @@
   format(stl) \
   format(vti) \
   format(vtr) \
+  format(vtu) \
   format(xdmf) \
   format(zarr)
 // clang-format on

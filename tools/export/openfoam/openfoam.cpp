@@ -114,7 +114,7 @@ double coarsest_edge(const Grid& grid, int coarsest, double scale) {
 void write_refined(const Export& e, const Division& division, const CaseFolder& folder, uint32_t ranks, double scale) {
   const auto share = [&](double from, double to) { return [&e, from, to](double done) { e.progress(from + (to - from) * done); }; };
   const RefinedGrid refined(e, 0.1);
-  RefinedMesh mesh(e, refined, division.in_mesh, division.links, share(0.1, 0.2));
+  RefinedMesh mesh(e, refined, division.in_mesh, division.links, e.has("--drop-unreachable"), share(0.1, 0.2));
   expect_cells(e, division, mesh.cells());
   const MeshCounts counts = mesh.count(begins_of_parts(mesh.cells(), ranks), share(0.2, 0.5));
   expect_labels(counts);

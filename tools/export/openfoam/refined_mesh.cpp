@@ -196,10 +196,11 @@ class RefinedMesh::Block {
   Walls walls_;
 };
 
-RefinedMesh::RefinedMesh(const Export& e, const RefinedGrid& refined, const std::vector<bool>& in_mesh, const LinkReader* links,
+RefinedMesh::RefinedMesh(const Export& e, const RefinedGrid& refined, const std::vector<bool>& in_mesh, const LinkReader* links, bool drop,
                          const std::function<void(double share)>& progress)
     : e_(e), links_(links), coarsest_(refined.refinement().coarsest), mesh_{e.box, in_mesh}, grid_(refined, mesh_) {
-  grid_.number(progress, [](const LeafBlock&) {});
+  if (drop) grid_.keep_largest_region([&](double share) { progress(share / 2); });
+  grid_.number([&](double share) { progress(drop ? (1 + share) / 2 : share); }, [](const LeafBlock&) {});
 }
 
 // What a block has for the files; without numbers, only as much as has to be counted.

@@ -8,8 +8,8 @@ namespace teracell::exports::foam {
 
 class RefinedMesh {
  public:
-  // Counts and numbers the cells. Keeps references. Without links, walls are told apart by material.
-  RefinedMesh(const Export& e, const RefinedGrid& refined, const std::vector<bool>& in_mesh, const LinkReader* links,
+  // Counts and numbers the cells. Keeps references. Without links, walls are told apart by material. `drop`: only the largest region stays.
+  RefinedMesh(const Export& e, const RefinedGrid& refined, const std::vector<bool>& in_mesh, const LinkReader* links, bool drop,
               const std::function<void(double share)>& progress);
 
   int64_t cells() const { return grid_.cells(); }

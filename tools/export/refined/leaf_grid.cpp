@@ -1,5 +1,7 @@
 #include "tools/export/refined/leaf_grid.hpp"
 
+#include "tools/export/refined/leaf_regions.hpp"
+
 namespace teracell::exports {
 namespace {
 
@@ -10,7 +12,7 @@ Index3 shifted_down(const Index3& cell, int bits) { return {cell[0] >> bits, cel
 
 }  // namespace
 
-size_t LeafBlock::memory() const { return sizeof *this + eights.capacity() * sizeof eights[0] + leaves.capacity() * sizeof leaves[0]; }
+size_t LeafBlock::memory() const { return sizeof *this + eights.capacity() * sizeof eights[0] + leaves.capacity() * sizeof leaves[0] + region.capacity() * 4; }
 
 Index3 LeafBlock::first_cell(uint32_t i) const {
   const Index3 inside = cell_of_code(leaves[i].code);
@@ -44,6 +46,14 @@ std::shared_ptr<LeafBlock> LeafGrid::make(const Index3& at) const {
   }
   uint32_t before = 0;
   for (LeafBlock::Eight& eight : out->eights) before += std::exchange(eight.before, before);
+  if (regions_ != Regions::kIgnored) find_regions(*out, mesh_.box);
+  if (regions_ == Regions::kFound) {
+    const auto first = first_region_.find(at);
+    out->in_mesh = 0;
+    for (uint32_t i = 0; i < out->size(); ++i)
+      if (uint32_t& number = out->leaves[i].number; number != LeafBlock::kNotInMesh)
+        number = kept_[first->second + out->region[i]] ? out->in_mesh++ : LeafBlock::kNotInMesh;
+  }
   if (const auto it = first_.find(at); it != first_.end()) out->first = it->second;
   return out;
 }

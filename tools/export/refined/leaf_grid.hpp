@@ -21,6 +21,13 @@ inline uint32_t code_in_block(const Index3& cell) {
          kSpreadBits[static_cast<size_t>(cell[2] & 63)] << 2;
 }
 
+// How many bits of a byte are set.
+inline constexpr std::array<uint8_t, 256> kOnes = [] {
+  std::array<uint8_t, 256> out{};
+  for (size_t i = 1; i < 256; ++i) out[i] = static_cast<uint8_t>(out[i / 2] + i % 2);
+  return out;
+}();
+
 // The leaves that begin in a block, in Morton order.
 struct LeafBlock {
   static constexpr int kBits = 6;
@@ -43,10 +50,17 @@ struct LeafBlock {
     uint32_t material;
   };
   std::vector<Leaf> leaves;
+  std::vector<uint32_t> region;  // of each leaf in the mesh, among those of the block; empty where regions don't matter
   uint32_t in_mesh = 0;          // how many
   int64_t first = 0;             // number of the first of these in the mesh
 
   size_t size() const { return leaves.size(); }
+  // The leaf that holds a cell of the block: the last one that begins there or before it. REQUIRES: it is in the box, and there is no cover.
+  uint32_t find(const Index3& cell) const {
+    const uint32_t code_here = code_in_block(cell) >> shift;
+    const Eight& eight = eights[code_here / 8];
+    return eight.before + kOnes[eight.starts & (0xFF >> (7 - code_here % 8))] - 1;
+  }
   size_t memory() const;
   Index3 first_cell(uint32_t i) const;
 };
@@ -65,6 +79,8 @@ class LeafGrid {
   const Box& box() const { return mesh_.box; }
   const RefinedGrid& refined() const { return refined_; }
   std::shared_ptr<const LeafBlock> block(const Index3& at) const;
+  // Takes all cells out of the mesh but those of its largest region: cells that touch through faces. Of equally large ones, the first.
+  void keep_largest_region(const std::function<void(double share)>& progress);
   // Gives numbers to the mesh's cells, in Morton order. see() is called for each block in which leaves begin, in this order.
   void number(const std::function<void(double share)>& progress, const std::function<void(const LeafBlock&)>& see);
   int64_t cells() const { return cells_; }
@@ -83,6 +99,9 @@ class LeafGrid {
     }
   };
   int64_t cells_ = 0;
+  enum class Regions { kIgnored, kSought, kFound } regions_ = Regions::kIgnored;
+  std::unordered_map<Index3, uint32_t, PlaceHash> first_region_;  // of a block's regions, among those of all blocks
+  std::vector<bool> kept_;                                        // by region
   std::unordered_map<Index3, int64_t, PlaceHash> first_;  // number of a block's first cell; blocks without cells are missing
   mutable LruCache<Index3, LeafBlock, PlaceHash> blocks_;
 };
@@ -129,10 +148,7 @@ class NearLeaves {
       b = &block(shifted_down(b->cover->first()));
       return leaf(*b, 0);
     }
-    // The last leaf that begins at the cell or before it.
-    const uint32_t code = code_in_block(cell) >> b->shift, group = code / 8;
-    const LeafBlock::Eight& eight = b->eights[group];
-    const uint32_t i = eight.before + kOnes[eight.starts & (0xFF >> (7 - code % 8))] - 1;
+    const uint32_t i = b->find(cell);
     const int level = b->leaves[i].level;
     return {b, i, level, {cell[0] >> level << level, cell[1] >> level << level, cell[2] >> level << level}, &box_};
   }
@@ -162,11 +178,6 @@ class NearLeaves {
   }
 
  private:
-  static constexpr std::array<uint8_t, 256> kOnes = [] {
-    std::array<uint8_t, 256> out{};
-    for (size_t i = 1; i < 256; ++i) out[i] = static_cast<uint8_t>(out[i / 2] + i % 2);
-    return out;
-  }();
   static Index3 shifted_down(const Index3& cell) { return {cell[0] >> LeafBlock::kBits, cell[1] >> LeafBlock::kBits, cell[2] >> LeafBlock::kBits}; }
 
   const LeafBlock& block(const Index3& at) {
