@@ -31,8 +31,8 @@ class FoamText {
   }
   int64_t number() { return std::stoll(word()); }
   template <class T>
-  std::vector<T> list(int64_t numbers_each = 1) {
-    std::vector<T> out(static_cast<size_t>(number() / numbers_each));
+  std::vector<T> list() {
+    std::vector<T> out(static_cast<size_t>(number()));
     if (out.empty()) return out;
     expect('(');
     REQUIRE(text_.size() - at_ > out.size() * sizeof(T));
@@ -79,9 +79,9 @@ PolyMesh::PolyMesh(const fs::path& folder)
     : points(only_list<Vec3>(folder / "points")), owner(only_list<int32_t>(folder / "owner")), neighbour(only_list<int32_t>(folder / "neighbour")) {
   FoamText face_text(folder / "faces");
   const auto begins = face_text.list<int32_t>();
-  faces = face_text.list<std::array<int32_t, 4>>(4);
-  REQUIRE(begins.size() == faces.size() + 1);
-  for (size_t i = 0; i < begins.size(); ++i) REQUIRE(begins[i] == static_cast<int32_t>(4 * i));
+  const auto corners = face_text.list<int32_t>();
+  REQUIRE((begins.front() == 0 && begins.back() == static_cast<int32_t>(corners.size()) && std::ranges::is_sorted(begins)));
+  for (size_t i = 0; i + 1 < begins.size(); ++i) faces.emplace_back(corners.begin() + begins[i], corners.begin() + begins[i + 1]);
   REQUIRE(owner.size() == faces.size());
   FoamText patch_text(folder / "boundary");
   const int64_t patch_count = patch_text.number();

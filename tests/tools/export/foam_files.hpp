@@ -20,7 +20,7 @@ struct PolyMesh {
   const Patch& patch_of(size_t face) const;
 
   std::vector<Vec3> points;
-  std::vector<std::array<int32_t, 4>> faces;
+  std::vector<std::vector<int32_t>> faces;  // their corners
   std::vector<int32_t> owner, neighbour;
   std::vector<Patch> patches;
   std::map<std::string, std::vector<int32_t>> zones;

@@ -187,7 +187,7 @@ class RefinedMesh::Block {
   static constexpr int64_t kUnknown = -2, kRim = std::numeric_limits<int64_t>::max();
   LeafAt cell_;
   Index3 corner_{};
-  uint32_t part_ = 0;
+  uint32_t part_ = ~0U;
   std::array<int64_t, 27> known_{};
   const RefinedMesh& mesh_;
   const std::shared_ptr<const LeafBlock> block_;
