@@ -19,6 +19,7 @@
 #include "store/read/kept_chunks.hpp"
 #include "store/read/query.hpp"
 #include "store/read/stats.hpp"
+#include "store/refine/leaves.hpp"
 #include "store/remote/sources.hpp"
 #include "store/text/color.hpp"
 #include "store/whole/info.hpp"
@@ -458,6 +459,27 @@ int tc_links(const tc_grid* grid, int axis, const int64_t lo[3], const int64_t h
     grid->links->for_each(axis, box_of(lo, hi), [&](std::span<const CellLink> links) {
       for (const CellLink& l : links) {
         const tc_link out{{l.cell[0], l.cell[1], l.cell[2]}, l.end, l.begin, l.patch == kNoPatch ? -1 : int64_t{l.patch}};
+        if (visit(user, &out) != 0) throw Stopped("stopped by the caller");
+      }
+    });
+  });
+}
+
+int tc_leaves(const tc_grid* grid, const int64_t lo[3], const int64_t hi[3], int coarsest, int layers, const char* want, int threads,
+              int (*visit)(void*, const tc_leaf*), void* user) {
+  return guarded([&] {
+    const GridReader& reader = reader_of(grid);
+    check(visit != nullptr, "a function to call, found NULL");
+    const int workers = threads_of(threads);
+    const Refinement refinement = parse_refinement(reader.meta(), coarsest, layers, want == nullptr ? "" : want);
+    const Box box = within(reader, 0, box_of(lo, hi));
+    if (box.empty()) return;
+    const auto watched = [](double) { Wanted::stop_if_not(); };
+    Leaves leaves(reader, refinement, std::filesystem::temp_directory_path());
+    leaves.prepare(box, workers, watched);
+    leaves.for_each(box, workers, watched, [&](std::span<const Leaf> found) {
+      for (const Leaf& leaf : found) {
+        const tc_leaf out{{leaf.cell[0], leaf.cell[1], leaf.cell[2]}, leaf.level, reader.meta().labels[leaf.label].material};
         if (visit(user, &out) != 0) throw Stopped("stopped by the caller");
       }
     });

@@ -219,6 +219,25 @@ TC_API int tc_patches(const tc_grid* grid, int64_t first, int64_t count, tc_patc
 TC_API int tc_links(const tc_grid* grid, int axis, const int64_t lo[3], const int64_t hi[3], int (*visit)(void* user, const tc_link* link),
                     void* user);
 
+/* ---- Refined grids ---- */
+
+/* A leaf of an octree over the cells of level 0: a cell of a level, where the grid is no finer than that. Only the library makes these. */
+typedef struct tc_leaf {
+  int64_t cell[3];   /* of its level; a leaf at an upper side of the grid may reach beyond it */
+  int32_t level;
+  uint32_t material; /* of the level-0 cell at its first one + floor(2^(level - 1)) on each axis, or the grid's last */
+} tc_leaf;
+
+/* Calls visit(user, leaf) for the leaves that have a cell in a box of level 0, in the order of the Morton codes of their first cells (bits of x,
+ * y, z in turn, x lowest), until it returns something other than 0; that is TC_STOPPED. Leaves are of level 0 at interfaces, which are faces
+ * between cells of different labels, and at most of level `coarsest` (0 to 16); of each level there are at least `layers` cells (1 to 100)
+ * around what is finer. Leaves that touch, also over edges and corners, differ by at most one level. `want` says what is to be of which level:
+ * "interface=L,material:NAME=L,patch:NAME=L,inside:NAME=L,box:X0,Y0,Z0,X1,Y1,Z1=L", each of it any number of times; NULL: interface=0. What
+ * the leaves are depends on the whole grid, not on the box, of which the part outside the grid is left out. `threads` as in tc_read_box().
+ * Temporary files are made in the folder that TMPDIR names, or /tmp. */
+TC_API int tc_leaves(const tc_grid* grid, const int64_t lo[3], const int64_t hi[3], int coarsest, int layers, const char* want, int threads,
+                     int (*visit)(void* user, const tc_leaf* leaf), void* user);
+
 /* ---- Who computes what ---- */
 
 /* A file that `teracell partition` has written. Threads may share it. */

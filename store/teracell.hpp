@@ -173,6 +173,21 @@ class Grid {
     visited<tc_link>(visit, [&](auto call, void* user) { return tc_links(get(), axis, box.lo.data(), box.hi.data(), call, user); });
   }
 
+  // How a grid is refined: as tc_leaves() says.
+  struct Refined {
+    int coarsest, layers = 2;
+    std::string want = "";
+    int threads = 0;
+  };
+  // Calls visit(const tc_leaf&) for the leaves that have a cell in a box of level 0, in Morton order. What it throws ends the reading and is
+  // thrown here.
+  template <class Visit>
+  void leaves(const Box& box, const Refined& how, Visit&& visit) const {
+    visited<tc_leaf>(visit, [&](auto call, void* user) {
+      return tc_leaves(get(), box.lo.data(), box.hi.data(), how.coarsest, how.layers, how.want.c_str(), how.threads, call, user);
+    });
+  }
+
  private:
   struct Close {
     void operator()(tc_grid* grid) const { tc_close(grid); }

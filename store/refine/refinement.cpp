@@ -96,18 +96,24 @@ class Selectors {
 
 }  // namespace
 
+Refinement parse_refinement(const Metadata& meta, int coarsest, int layers, std::string_view wants, std::string_view want) {
+  if (coarsest < 0 || coarsest > kCoarsest) throw UsageError(fmt::format("coarsest: expected a level from 0 to {}, found {}", kCoarsest, coarsest));
+  if (layers < 1 || layers > kMostLayers) throw UsageError(fmt::format("layers: expected 1 to {}, found {}", kMostLayers, layers));
+  Refinement out;
+  out.coarsest = coarsest, out.layers = layers;
+  if (wants.empty()) return out;
+  Selectors selectors(meta, want, out);
+  for (const std::string_view selector : selectors_in(wants)) selectors.take(selector);
+  return out;
+}
+
 Refinement parse_refinement(const Metadata& meta, std::string_view levels, std::string_view wants, std::string_view refine, std::string_view want) {
   const std::vector<std::string_view> parts = split(levels, ',');
   const auto coarsest = number_in<int>(parts[0]), layers = parts.size() > 1 ? number_in<int>(parts[1]) : std::optional(Refinement{}.layers);
   if (parts.size() > 2 || !coarsest || !layers || *coarsest < 0 || *coarsest > kCoarsest || *layers < 1 || *layers > kMostLayers)
     throw UsageError(fmt::format("{}: expected M,N, the coarsest level M from 0 to {} and N layers from 1 to {}, found '{}'", refine, kCoarsest,
                                  kMostLayers, levels));
-  Refinement out;
-  out.coarsest = *coarsest, out.layers = *layers;
-  if (wants.empty()) return out;
-  Selectors selectors(meta, want, out);
-  for (const std::string_view selector : selectors_in(wants)) selectors.take(selector);
-  return out;
+  return parse_refinement(meta, *coarsest, *layers, wants, want);
 }
 
 }  // namespace teracell::store

@@ -27,10 +27,12 @@ struct Refinement {
   bool knows_patches() const { return !of_patches.empty(); }
 };
 
-// "M,N" or "M", and the selectors interface=L, patch:NAME=L, material:NAME=L, inside:NAME=L, box:X0,Y0,Z0,X1,Y1,Z1=L, separated by commas. A name
+// The selectors interface=L, patch:NAME=L, material:NAME=L, inside:NAME=L, box:X0,Y0,Z0,X1,Y1,Z1=L, separated by commas. A name
 // may stand in double quotes, and must where it has a comma, an equal sign or a quote. The finest counts of what is said twice. Throws UsageError,
-// which begins with `refine` or `want`, for what is not such a text, for names that the grid doesn't have, and for patches of a grid without links.
-Refinement parse_refinement(const Metadata& meta, std::string_view levels, std::string_view wants, std::string_view refine = "--refine",
-                            std::string_view want = "--want");
+// which begins with "coarsest", "layers" or `want`, for what is not such a text, for names that the grid doesn't have, and for patches of a grid
+// without links.
+Refinement parse_refinement(const Metadata& meta, int coarsest, int layers, std::string_view wants, std::string_view want = "want");
+// The same with "M,N" or "M", in messages `refine`.
+Refinement parse_refinement(const Metadata& meta, std::string_view levels, std::string_view wants, std::string_view refine, std::string_view want);
 
 }  // namespace teracell::store

@@ -260,6 +260,7 @@ void Splits::keep(const RefinedBlock& block, const Bytes& record) {
 
 void Splits::prepare(const Box& box, int threads, const std::function<void(double share)>& progress) {
   const Box grid = by_rays(reader_.shape(0));
+  if (common(box, grid).empty()) return;
   const std::vector<Box> needed = blocks_for(common(box, grid));
   struct Found {
     RefinedBlock block;

@@ -1,4 +1,5 @@
 """The installed library through C, C++, Fortran and Python, against `teracell export` and against NumPy."""
+import itertools
 import json
 import pathlib
 import pickle
@@ -238,6 +239,38 @@ class Links(unittest.TestCase):
                 ask()
 
 
+class Leaves(unittest.TestCase):
+    """Refined grids; that leaves are those of the definition is tested in C++."""
+    def test_leaves_through_every_language_are_those_of_the_export(self):
+        rng = random.Random(6)
+        for path, want in ((grids[0], None), (grids[-1], {"interface": 1, "box:0,0,0,3,4,5": 0})):
+            grid = teracell.open(path)
+            text = "interface=0" if want is None else "interface=1,box:0,0,0,3,4,5=0"
+            lines, expected = [], []
+            for coarsest, layers in ((4, 1), (2, 3)):
+                z0, y0, x0, z1, y1, x1 = box = random_box(rng, grid.shape)
+                region = [max(0, x0), max(0, y0), max(0, z0), *(min(a, n) for a, n in zip((x1, y1, z1), grid.shape[::-1]))]
+                if any(lo >= hi for lo, hi in zip(region[:3], region[3:])):
+                    self.assertEqual(len(grid.leaves(box, coarsest, layers, want=want)), 0)
+                    continue
+                run(PROGRAM, "export", path, "--format", "leaves", "--refine", f"{coarsest},{layers}", "--want", text, "--region", ",".join(map(str, region)),
+                    "-o", folder / "leaves.npy", "--progress", "none")
+                found = grid.leaves(box, coarsest, layers, want=want, threads=1 + coarsest % 3)
+                numpy.testing.assert_array_equal(found, numpy.load(folder / "leaves.npy"))
+                lines.append(f"{coarsest} {layers} {text} {x0} {y0} {z0} {x1} {y1} {z1}")
+                expected += [" ".join(map(str, leaf.tolist())) for leaf in found]
+            printed = run(compiled(SOURCES / "leaves.cpp"), path, input=("\n".join(lines) + "\n").encode()).decode().splitlines()
+            self.assertEqual(printed, expected)
+
+    def test_wrong_questions(self):
+        grid = teracell.open(grids[0])
+        for ask, words in ((lambda: grid.leaves(coarsest=17), "coarsest: expected 0 to 16"), (lambda: grid.leaves(layers=0), "layers: expected 1 to 100"),
+                           (lambda: grid.leaves(want="air=0"), "want: expected interface=L"), (lambda: grid.leaves(want={"material:gold, pure": 1}), "no material 'gold, pure'"),
+                           (lambda: grid.leaves(want=5), "a text or a dict, found 5"), (lambda: grid.leaves(want="patch:xmin=0"), "has no links")):
+            with self.assertRaisesRegex(teracell.UsageError, words):
+                ask()
+
+
 class Questions(unittest.TestCase):
     def test_counts_columns_runs_and_uniform_boxes_agree_with_the_cells(self):
         rng = random.Random(4)
@@ -404,10 +437,14 @@ class Installed(unittest.TestCase):
         numpy.testing.assert_allclose([float(line.split()[1]) for line in layers], (cells == 0).mean(axis=(1, 2)), rtol=1e-5)
         self.assertRegex(run(compiled(EXAMPLES / "heat.f90"), grids[0], text=True), r"solid cells: [1-9]\d* of 110592")
         self.assertIn("air", run("/usr/bin/python3", EXAMPLES / "surface_cells.py", grids[0], text=True))
+        errors = [float(line.split()[-1]) for line in run("/usr/bin/python3", EXAMPLES / "poisson.py", grids[0], text=True).splitlines()]
+        for coarser, finer in itertools.pairwise(errors):
+            self.assertLess(finer, coarser)
+        self.assertLess(errors[-1], errors[-2] / 2)
 
     def test_an_example_without_a_grid_says_how_it_is_called(self):
         for call in ([compiled(EXAMPLES / "materials.c")], [compiled(EXAMPLES / "porosity.cpp")], [compiled(EXAMPLES / "heat.f90")],
-                     ["/usr/bin/python3", EXAMPLES / "surface_cells.py"]):
+                     ["/usr/bin/python3", EXAMPLES / "surface_cells.py"], ["/usr/bin/python3", EXAMPLES / "poisson.py"]):
             said = subprocess.run(call, env=ENVIRONMENT, capture_output=True, text=True)
             self.assertIn("usage: ", said.stderr)
             self.assertIn(said.returncode, (1, 2))

@@ -19,7 +19,7 @@ need() (
 )
 
 build_packages=(g++ cmake ninja-build pkg-config libzstd-dev libfmt-dev libxxhash-dev nlohmann-json3-dev libcli11-dev zlib1g-dev libboost-dev libhdf5-dev libcurl4-openssl-dev libstb-dev libminizip-dev libexpat1-dev ccache)
-library_packages=(gfortran pybind11-dev python3-dev python3-numpy)
+library_packages=(gfortran pybind11-dev python3-dev python3-numpy python3-scipy)
 # OpenCASCADE, of teracell-step alone.
 step_packages=(libocct-data-exchange-dev)
 test_packages=(catch2 lld groff-base python3 zstd nginx-light curl openssl)

@@ -275,6 +275,19 @@ class Native {
                           array(found.patches));
   }
 
+  // The leaves of a box, 32 bytes each: level (int32), cell x, y, z (int64), material (uint32), without gaps.
+  py::bytearray leaves(const Index& lo, const Index& hi, int coarsest, int layers, const std::string& want, int threads) const {
+    std::string found;
+    const auto take = [](void* user, const tc_leaf* leaf) {
+      std::string& out = *static_cast<std::string*>(user);
+      const auto put = [&](const auto& value) { out.append(reinterpret_cast<const char*>(&value), sizeof value); };
+      put(leaf->level), put(leaf->cell), put(leaf->material);
+      return 0;
+    };
+    call([&] { return tc_leaves(grid_, lo.data(), hi.data(), coarsest, layers, want.c_str(), threads, take, &found); });
+    return {found.data(), found.size()};
+  }
+
  private:
   template <class F>
   py::array_t<double> positions(int level, int axis, int64_t more, F&& f) const {
@@ -489,5 +502,6 @@ PYBIND11_MODULE(_native, m) {
       .def("uniform", &Native::uniform)
       .def("fractions", &Native::fractions, py::arg("material"), py::arg("lo"), py::arg("out").noconvert(), py::arg("outside"), py::arg("threads"))
       .def("links", &Native::links)
+      .def("leaves", &Native::leaves)
       .def("patches", &Native::patches);
 }

@@ -19,7 +19,7 @@ import os
 import numpy
 
 from . import _native
-from ._arguments import corners, index_of, is_address, one_or_three, path_of, shown, whole, whole_key, wholes
+from ._arguments import corners, index_of, is_address, one_or_three, path_of, selectors, shown, whole, whole_key, wholes
 from ._errors import Error, FormatError, IoError, UsageError
 
 __all__ = ["open", "mesh", "planes", "info", "Planes", "Grid", "Level", "Axis", "Material", "Patch", "Cells", "Partition", "Part", "Error", "FormatError", "IoError", "UsageError",
@@ -327,6 +327,23 @@ class Grid(Level):
         cells = cells[:, ::-1]
         order = numpy.lexsort(cells.T[::-1])
         return cells[order], end[order], begin[order], patch[order]
+
+    def leaves(self, box=None, coarsest=8, layers=2, *, want=None, threads=0):
+        """The leaves of an octree over the cells of level 0 that have a cell in a box (z0, y0, x0, z1, y1, x1), in Morton order: a structured array
+        with the fields level (int32), i, j, k (int64: the cell along x, y, z, at the leaf's level) and label (uint32: the id of its material).
+
+        coarsest  the coarsest level, 0 to 16
+        layers    how many cells of each level lie around what is finer, 1 to 100
+        want      what is to be of which level, as text or as a dict: {"interface": 1, "material:steel": 0, "patch:inlet": 0, "inside:air": 3,
+                  "box:0,0,0,8,8,8": 2}. Without it, what lies at an interface between two labels is of level 0.
+        threads   how many may work; 0: one per core
+
+        A leaf of level L covers 2**L cells along each axis, as far as the grid goes. Leaves that touch differ by at most one level.
+        """
+        lo, hi = self._box(box)
+        dtype = [("level", "<i4"), ("i", "<i8"), ("j", "<i8"), ("k", "<i8"), ("label", "<u4")]
+        coarsest, layers = whole("coarsest", coarsest, 0, 16), whole("layers", layers, 1, 100)
+        return numpy.frombuffer(self._native.leaves(lo[::-1], hi[::-1], coarsest, layers, selectors(want), whole("threads", threads, 0, 1024)), dtype)
 
     def level(self, number):
         """A level: 0 has all cells, each further one half as many along every axis, rounded up."""

@@ -46,6 +46,21 @@ def one_or_three(name, values, least):
     return wholes(name, values, 3, least, "one or ")
 
 
+def selectors(want):
+    """What is wanted of a refined grid, as text: of a dict, KIND:NAME=LEVEL,KIND:NAME=LEVEL ..."""
+    if want is None or isinstance(want, str):
+        return want or ""
+    if not hasattr(want, "items"):
+        raise UsageError(f"want: expected a text or a dict, found {shown(want)}")
+    out = []
+    for key, level in want.items():
+        kind, colon, name = str(key).partition(":")
+        if kind != "box" and any(c in name for c in ',="'):
+            name = '"' + name.replace('"', '""') + '"'
+        out.append(f"{kind}{colon}{name}={whole(f'want of {shown(key)}', level, 0, 16)}")
+    return ",".join(out)
+
+
 def corners(box):
     """The corners (z0, y0, x0) and (z1, y1, x1) of a box."""
     found = wholes("box", box, 6)
