@@ -32,4 +32,4 @@ client_packages=(chromium-headless-shell libvips-tools python3-dask python3-fssp
 module_packages=(emscripten bzip2 xz-utils)
 module_test_packages=(nginx-light chromium-headless-shell firefox-esr)
 blast_packages=(openfoam openmpi-bin python3-matplotlib python3-numpy)
-solver_packages=("${blast_packages[@]}" admesh libmpich-dev libopenmpi-dev mpich munge openems parallel python3-h5py python3-meep python3-vtk9 slurm-wlm teem-apps)
+solver_packages=("${blast_packages[@]}" admesh libmpich-dev libp4est-dev libopenmpi-dev mpich munge openems parallel python3-h5py python3-meep python3-vtk9 slurm-wlm teem-apps)
