@@ -47,7 +47,9 @@ Box grown(const Box& box, int64_t cells) {
 }
 
 Bits::Bits(const Box& box)
-    : box_(box), wide_(box.hi[0] - box.lo[0]), row_words_(static_cast<size_t>(box.hi[2] - box.lo[2] + 63) / 64),
+    : box_(box),
+      wide_(box.hi[0] - box.lo[0]),
+      row_words_(static_cast<size_t>(box.hi[2] - box.lo[2] + 63) / 64),
       words_(static_cast<size_t>(wide_ * (box.hi[1] - box.lo[1])) * row_words_) {}
 
 bool Bits::none() const {

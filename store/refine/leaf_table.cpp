@@ -8,7 +8,8 @@
 
 namespace teracell::inline store {
 
-LeafTable::LeafTable(const Metadata& meta, const Refinement& refinement, const LeafCounts& counts) : meta_(meta), coarsest_(refinement.coarsest), layers_(refinement.layers) {
+LeafTable::LeafTable(const Metadata& meta, const Refinement& refinement, const LeafCounts& counts)
+    : meta_(meta), coarsest_(refinement.coarsest), layers_(refinement.layers) {
   for (const auto& [what, number] : counts) {
     by_material_[{what.first, meta.labels[what.second].material}] += number;
     total_ += number;
@@ -20,7 +21,8 @@ std::vector<std::string> LeafTable::rows() const {
   for (const auto& [what, number] : by_material_) width = std::max(width, meta_.materials[what.second].name.size());
   std::vector<std::string> out = {fmt::format("level  {:<{}} {:>20}", "material", width, "leaves")};
   for (const auto& [what, number] : by_material_)
-    out.push_back(fmt::format("{:>5}  {:<{}} {:>20}", what.first, meta_.materials[what.second].name, width, fmt::format("{}", fmt::group_digits(number))));
+    out.push_back(
+        fmt::format("{:>5}  {:<{}} {:>20}", what.first, meta_.materials[what.second].name, width, fmt::format("{}", fmt::group_digits(number))));
   out.push_back(fmt::format("{:>5}  {:<{}} {:>20}", "all", "", width, fmt::format("{}", fmt::group_digits(total_))));
   return out;
 }

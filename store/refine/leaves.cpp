@@ -166,15 +166,10 @@ void Leaves::prepare(const Box& box, int threads, const std::function<void(doubl
   splits_.prepare({place(box.lo), place(box.hi)}, threads, progress);
 }
 
-namespace {
-
-// How far a walk in Morton order over a box has come.
-double share_of(const Box& box, const Index3& first) {
-  const double size = static_cast<double>(std::max<int64_t>(1, box.hi[2] - box.lo[2]));
+double share_of_walk(const Box& box, const Index3& first) {
+  const auto size = static_cast<double>(std::max<int64_t>(1, box.hi[2] - box.lo[2]));
   return std::clamp(static_cast<double>(first[2] - box.lo[2]) / size, 0.0, 1.0);
 }
-
-}  // namespace
 
 void Leaves::for_each(const Box& box, int threads, const std::function<void(double share)>& progress,
                       const std::function<void(std::span<const Leaf>)>& take) const {
@@ -193,7 +188,7 @@ void Leaves::for_each(const Box& box, int threads, const std::function<void(doub
       },
       [&](const Found& found) {
         const Index3 first = found.subtree.first();
-        progress(share_of(box, first));
+        progress(share_of_walk(box, first));
         constexpr size_t kAtOnce = 1 << 14;
         for (size_t i = 0; i < found.leaves.size(); ++i) {
           const LeafInSubtree& leaf = found.leaves[i];
@@ -230,7 +225,7 @@ LeafCounts Leaves::count(const Box& box, int threads, const std::function<void(d
         return found;
       },
       [&](const Found& found) {
-        progress(share_of(box, found.subtree.first()));
+        progress(share_of_walk(box, found.subtree.first()));
         for (const auto& [what, number] : found.counts) out[what] += number;
       },
       64);

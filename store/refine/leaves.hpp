@@ -31,6 +31,9 @@ struct LeafInSubtree {
 // The first level-0 cell, from that of the subtree on.
 Index3 cell_of_code(uint32_t code);
 
+// How far a walk in Morton order over a box has come, from 0 to 1.
+double share_of_walk(const Box& box, const Index3& first);
+
 // Leaves by level and label.
 using LeafCounts = std::map<std::pair<int, Label>, uint64_t>;
 

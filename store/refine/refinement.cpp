@@ -83,8 +83,8 @@ class Selectors {
     for (size_t d = 0; numbers && d < 3; ++d) box.lo[d] = (*numbers)[d], box.hi[d] = (*numbers)[d + 3];
     const Index3 n = meta_.grid.cells();
     if (!numbers || box.empty() || !overlap(box, {{0, 0, 0}, n}))
-      throw UsageError(fmt::format("{}: expected box:X0,Y0,Z0,X1,Y1,Z1=L, half open, in the grid's {} x {} x {} cells, found 'box:{}'", option_, n[0], n[1],
-                                   n[2], text));
+      throw UsageError(fmt::format("{}: expected box:X0,Y0,Z0,X1,Y1,Z1=L, half open, in the grid's {} x {} x {} cells, found 'box:{}'", option_, n[0],
+                                   n[1], n[2], text));
     for (size_t d = 0; d < 3; ++d) box.lo[d] = std::max<int64_t>(box.lo[d], 0), box.hi[d] = std::min(box.hi[d], n[d]);
     return box;
   }

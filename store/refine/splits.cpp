@@ -80,8 +80,14 @@ struct Splits::Marks {
 };
 
 Splits::Splits(const GridReader& reader, const Refinement& refinement, const std::filesystem::path& folder)
-    : reader_(reader), refinement_(refinement), wants_(reader, refinement), chunks_(kChunkMemory), file_(folder, 0),
-      records_(static_cast<size_t>(tiers())), prepared_(static_cast<size_t>(tiers())), made_(kSplitMemory) {}
+    : reader_(reader),
+      refinement_(refinement),
+      wants_(reader, refinement),
+      chunks_(kChunkMemory),
+      file_(folder, 0),
+      records_(static_cast<size_t>(tiers())),
+      prepared_(static_cast<size_t>(tiers())),
+      made_(kSplitMemory) {}
 
 // The cells of the level above a block's own of which its splits depend. From the top: to spread by N/2 cells, the box must be so much larger; to
 // halve, twice as large; and with N odd there is one cell more on the finer level.
@@ -262,15 +268,19 @@ void Splits::prepare(const Box& box, int threads, const std::function<void(doubl
   const Box grid = by_rays(reader_.shape(0));
   if (common(box, grid).empty()) return;
   const std::vector<Box> needed = blocks_for(common(box, grid));
-  struct Found {
+  struct Job {
     RefinedBlock block;
+    double share;  // of the blocks before it
+  };
+  struct Found {
+    Job job;
     Bytes record;
   };
   for (int tier = 0; tier + 1 < tiers(); ++tier) {
     const Box& blocks = needed[static_cast<size_t>(tier)];
     std::vector<Box>& before = prepared_[static_cast<size_t>(tier)];
     const auto is_made = [&](const Index3& at) { return std::ranges::any_of(before, [&](const Box& b) { return holds(b, at); }); };
-    std::deque<RefinedBlock> waiting;
+    std::deque<Job> waiting;
     std::function<bool()> more;  // adds blocks that may hold something; false: there are none
     std::vector<RefinedBlock> above;
     size_t next_above = 0;
@@ -279,14 +289,14 @@ void Splits::prepare(const Box& box, int threads, const std::function<void(doubl
     if (tier == 0) {
       more = [&] {
         if (at[1] >= many.hi[1]) return false;
-        progress(static_cast<double>((at[1] - many.lo[1]) * (many.hi[0] - many.lo[0]) + (at[0] - many.lo[0])) /
-                 static_cast<double>((many.hi[1] - many.lo[1]) * (many.hi[0] - many.lo[0])));
+        const double share = static_cast<double>((at[1] - many.lo[1]) * (many.hi[0] - many.lo[0]) + (at[0] - many.lo[0])) /
+                             static_cast<double>((many.hi[1] - many.lo[1]) * (many.hi[0] - many.lo[0]));
         const Box group = common(shifted({at, {at[0] + 1, at[1] + 1, at[2] + 1}}, kManyBits), blocks);
         const Box cells = grown(shifted(group, RefinedBlock::kBits), refinement_.layers * 3 + 2);
         if (!quiet(common(cells, grid), RefinedBlock::kBits + kManyBits))
           for (int64_t v = group.lo[1]; v < group.hi[1]; ++v)
             for (int64_t u = group.lo[0]; u < group.hi[0]; ++u)
-              for (int64_t w = group.lo[2]; w < group.hi[2]; ++w) waiting.push_back({0, {u, v, w}});
+              for (int64_t w = group.lo[2]; w < group.hi[2]; ++w) waiting.push_back({{0, {u, v, w}}, share});
         if (++at[2] < many.hi[2]) return true;
         at[2] = many.lo[2];
         if (++at[0] < many.hi[0]) return true;
@@ -307,28 +317,32 @@ void Splits::prepare(const Box& box, int threads, const std::function<void(doubl
       std::ranges::sort(above, {}, &RefinedBlock::at);
       more = [&] {
         if (next_above == above.size()) return false;
-        waiting.push_back(above[next_above++]);
+        waiting.push_back({above[next_above++], 1});
         return true;
       };
     }
     in_order(
         threads,
-        [&]() -> std::optional<RefinedBlock> {
+        [&]() -> std::optional<Job> {
           for (;;) {
             while (waiting.empty())
               if (!more()) return std::nullopt;
-            const RefinedBlock block = waiting.front();
+            const Job job = waiting.front();
             waiting.pop_front();
-            if (!is_made(block.at)) return block;
+            if (!is_made(job.block.at)) return job;
           }
         },
-        [&](const RefinedBlock& block, int) {
-          Found found{block, {}};
-          if (tier == 0) make_base(block.at, &found.record);
-          else make_above(block, &found.record);
+        [&](const Job& job, int) {
+          Found found{job, {}};
+          if (tier == 0) make_base(job.block.at, &found.record);
+          else make_above(job.block, &found.record);
           return found;
         },
-        [&](const Found& found) { keep(found.block, found.record); }, 16);
+        [&](const Found& found) {
+          progress(found.job.share);
+          keep(found.job.block, found.record);
+        },
+        16);
     before.push_back(blocks);
   }
 }

@@ -57,7 +57,8 @@ Window::Window(const GridReader& reader, KeptChunks& kept, const Box& box) : box
     });
   });
   if (one_segment) return;
-  for (size_t i = 0; i < rays_.size(); ++i) rays_[i] = {joined_names_[i].data(), joined_ends_[i].data(), static_cast<uint32_t>(joined_ends_[i].size()), 0};
+  for (size_t i = 0; i < rays_.size(); ++i)
+    rays_[i] = {joined_names_[i].data(), joined_ends_[i].data(), static_cast<uint32_t>(joined_ends_[i].size()), 0};
 }
 
 }  // namespace teracell::store

@@ -155,7 +155,7 @@ class Outputs(Case):
         formats = [line.split()[0] for line in self.run_ok("export", "--list").out.splitlines() if not line.startswith(" ")]
         self.assertIn("ply", formats)
         for name in formats:
-            media = {"openems": ["--epsilon", "box=2"], "openfoam": ["--ranks", 1000]}.get(name, [])  # 1000: labels that are wide enough
+            media = {"openems": ["--epsilon", "box=2"], "openfoam": ["--ranks", 1000], "leaves": ["--refine", 4], "vtu": ["--refine", 4]}.get(name, [])  # 1000: labels that are wide enough
             grid = "linked.tcell" if name == "links" else "large.tcell"
             self.interrupt(["export", grid, "-o", "out", "--format", name, *media], lambda _: set(os.listdir(self.folder)) != before)
             self.assertEqual(set(os.listdir(self.folder)), before, name)

@@ -152,6 +152,17 @@ class Usage(Case):
                 (["--profile", "gprmax", "'matlab'"], ["export", "g.tcell", "-o", "x.h5", "--profile", "matlab"]),
                 (["--epsilon", "'water'"], ["export", "g.tcell", "-o", "x.h5", "--profile", "meep", "--epsilon", "water=1.77"]),
                 (["--epsilon", "none for"], ["export", "g.tcell", "-o", "x.xml", "--format", "openems"]),
+                (["--refine", "M,N", "leaves"], ["export", "g.tcell", "-o", "x.npy", "--format", "leaves"]),
+                (["--refine", "0 to 16", "'17,2'"], ["export", "g.tcell", "-o", "x.vtu", "--refine", "17,2"]),
+                (["--refine", "npy", "no such option"], ["export", "g.tcell", "-o", "x.npy", "--refine", 3]),
+                (["--want", "'water'", "air"], ["export", "g.tcell", "-o", "x.vtu", "--refine", 3, "--want", "material:water=0"]),
+                (["--want", "links", "meshed without"], ["export", "g.tcell", "-o", "x.vtu", "--refine", 3, "--want", "patch:xmin=0"]),
+                (["--want", "box:", "'box:9,9,9,8,8,8'"], ["export", "g.tcell", "-o", "x.vtu", "--refine", 3, "--want", "box:9,9,9,8,8,8=0"]),
+                (["--want", "--refine"], ["export", "g.tcell", "-o", "case", "--format", "openfoam", "--want", "interface=1"]),
+                (["--level", "expected 0", "1"], ["export", "g.tcell", "-o", "x.vtu", "--refine", 3, "--level", 1]),
+                (["--count", "--refine"], ["export", "g.tcell", "--count"]),
+                (["--json", "--count"], ["export", "g.tcell", "-o", "x.npy", "--json"]),
+                (["--output", "none"], ["export", "g.tcell", "--format", "vtu", "--refine", 3]),
                 (["--format", "npy", "raw"], ["export", "g.tcell", "-o", "x.npy", "--format", "vtk"])):
             self.refused(2, phrases, *args)
 

@@ -1,4 +1,5 @@
 """The installed library through C, C++, Fortran and Python, against `teracell export` and against NumPy."""
+import collections
 import itertools
 import json
 import pathlib
@@ -257,6 +258,11 @@ class Leaves(unittest.TestCase):
                     "-o", folder / "leaves.npy", "--progress", "none")
                 found = grid.leaves(box, coarsest, layers, want=want, threads=1 + coarsest % 3)
                 numpy.testing.assert_array_equal(found, numpy.load(folder / "leaves.npy"))
+                counted = json.loads(run(PROGRAM, "export", path, "--refine", f"{coarsest},{layers}", "--want", text, "--region", ",".join(map(str, region)), "--count", "--json"))
+                names = [material.name for material in grid.materials]
+                self.assertEqual({(c["level"], names.index(c["material"])): c["leaves"] for c in counted["leaves"]},
+                                 collections.Counter((leaf["level"], leaf["label"]) for leaf in found))
+                self.assertEqual(counted["total"], len(found))
                 lines.append(f"{coarsest} {layers} {text} {x0} {y0} {z0} {x1} {y1} {z1}")
                 expected += [" ".join(map(str, leaf.tolist())) for leaf in found]
             printed = run(compiled(SOURCES / "leaves.cpp"), path, input=("\n".join(lines) + "\n").encode()).decode().splitlines()

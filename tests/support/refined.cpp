@@ -98,7 +98,8 @@ std::vector<Label> blobs(std::mt19937_64& random, const Index3& n, uint32_t labe
     std::array<double, 3> at{}, size{};
     const double radius = random_in(random, 0.5, 0.3 * static_cast<double>(std::min({n[0], n[1], n[2]})) + 1);
     const bool plate = random() % 3 == 0;
-    for (size_t d = 0; d < 3; ++d) at[d] = random_in(random, 0, static_cast<double>(n[d])), size[d] = plate ? random_in(random, 0.3, 2 * radius) : radius;
+    for (size_t d = 0; d < 3; ++d)
+      at[d] = random_in(random, 0, static_cast<double>(n[d])), size[d] = plate ? random_in(random, 0.3, 2 * radius) : radius;
     for_each_cell({{0, 0, 0}, n}, [&](int64_t x, int64_t y, int64_t z) {
       const std::array<double, 3> p{(static_cast<double>(x) - at[0]) / size[0], (static_cast<double>(y) - at[1]) / size[1],
                                     (static_cast<double>(z) - at[2]) / size[2]};

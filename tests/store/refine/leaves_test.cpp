@@ -1,9 +1,9 @@
 // Leaves against their definition.
 #include "store/refine/leaves.hpp"
 
+#include "tests/support/meshed.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/refined.hpp"
-#include "tests/support/meshed.hpp"
 
 namespace teracell {
 namespace {
@@ -13,7 +13,8 @@ using namespace testing;
 std::vector<Leaf> leaves_of(Leaves& leaves, const Box& region, int threads = 1) {
   leaves.prepare(region, threads, [](double) {});
   std::vector<Leaf> out;
-  leaves.for_each(region, threads, [](double) {}, [&](std::span<const Leaf> some) { out.insert(out.end(), some.begin(), some.end()); });
+  leaves.for_each(
+      region, threads, [](double) {}, [&](std::span<const Leaf> some) { out.insert(out.end(), some.begin(), some.end()); });
   return out;
 }
 
@@ -72,7 +73,9 @@ TEST_CASE("The leaves of random grids, selectors and regions are those of the de
     CHECK(leaves.count(whole, 2, [](double) {}) == counted(expected));
 
     Box region;
-    for (size_t d = 0; d < 3; ++d) region.lo[d] = random_int(random, 0, static_cast<int>(n[d]) - 1), region.hi[d] = random_int(random, static_cast<int>(region.lo[d]) + 1, static_cast<int>(n[d]));
+    for (size_t d = 0; d < 3; ++d)
+      region.lo[d] = random_int(random, 0, static_cast<int>(n[d]) - 1),
+      region.hi[d] = random_int(random, static_cast<int>(region.lo[d]) + 1, static_cast<int>(n[d]));
     Leaves alone(reader, refinement, folder.path());
     expect_same(leaves_of(alone, region), leaves_by_definition(meta, cells, refinement, region));
     expect_same(leaves_of(alone, whole), expected);  // what the region needed is there, and the rest is made

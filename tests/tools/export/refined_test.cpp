@@ -251,7 +251,8 @@ TEST_CASE("A mesh of leaves has the cells, faces, points, levels and patches of 
     const GridReader reader = reader_of(meta, cells);
     Refinement r;
     r.coarsest = random_int(random, 0, 7), r.layers = random_int(random, 1, 2);
-    std::map<std::string, std::string> options = {{"--refine", fmt::format("{},{}", r.coarsest, r.layers)}, {"--threads", fmt::format("{}", 1 + seed % 3)}};
+    std::map<std::string, std::string> options = {{"--refine", fmt::format("{},{}", r.coarsest, r.layers)},
+                                                  {"--threads", fmt::format("{}", 1 + seed % 3)}};
     if (random() % 3 == 0) {  // walls beside cells of several levels
       r.interfaces = random_int(random, 0, r.coarsest);
       r.of_materials.assign(3, kNoLevel), r.of_materials[2] = random_int(random, 0, r.coarsest);

@@ -152,6 +152,7 @@ void write_case(const Export& asked) {
   if (e.has("--patches")) links.emplace(e.reader);
   Division division{e, cells_of_mesh(e), nullptr, {0, std::numeric_limits<int64_t>::max()}, links ? &*links : nullptr};
   const bool refined = e.has("--refine");
+  expect_refined(e);
   if (!refined) expect_labels_for_cells(e, division, ranks);
   e.progress(0);
   CaseFolder folder(e.output, ranks, e.has("--ranks"));
@@ -177,10 +178,10 @@ ExportFormat openfoam_format() {
           .write = foam::write_case,
           .numbers = false,
           .options = refined_options({{"--fluid", "NAME,...", "the materials whose cells are the mesh; others are walls (default: the background)"},
-                      {"--patches", "", "walls are told apart by the patches of the surface (of a grid meshed with --links)"},
-                      {"--zones", "", "a cellZone for each material; without --fluid the cells of all materials are the mesh"},
-                      {"--drop-unreachable", "", "only the largest of the regions that don't touch through faces"},
-                      {"--ranks", "N", "parts of equally many cells, in processor0/ to processorN-1/"}})};
+                                      {"--patches", "", "walls are told apart by the patches of the surface (of a grid meshed with --links)"},
+                                      {"--zones", "", "a cellZone for each material; without --fluid the cells of all materials are the mesh"},
+                                      {"--drop-unreachable", "", "only the largest of the regions that don't touch through faces"},
+                                      {"--ranks", "N", "parts of equally many cells, in processor0/ to processorN-1/"}})};
 }
 
 }  // namespace teracell::exports

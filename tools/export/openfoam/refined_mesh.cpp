@@ -22,10 +22,15 @@ auto& entry_of(List& list, const Key& key, Make&& make) {
   return list.emplace_back(make());
 }
 PartOut& part_in(std::vector<PartOut>& parts, uint32_t part) {
-  return entry_of(parts, [&](const PartOut& p) { return p.part == part; }, [&] { return PartOut{part, {}, {}, {}, {}, {}}; });
+  return entry_of(
+      parts, [&](const PartOut& p) { return p.part == part; }, [&] { return PartOut{part, {}, {}, {}, {}, {}}; });
 }
 GroupOut& group_in(PartOut& part, FaceGroup group) {
-  return entry_of(part.groups, [&](const GroupOut& g) { return g.group == group; }, [&] { return GroupOut{group, {}, {}, {}, {}}; });
+  return entry_of(
+      part.groups, [&](const GroupOut& g) { return g.group == group; },
+      [&] {
+        return GroupOut{group, {}, {}, {}, {}};
+      });
 }
 
 }  // namespace
@@ -105,10 +110,21 @@ class RefinedMesh::Block {
   // The corners of a face of the cell that for_each_cell() is at: how many, and their numbers in the cell's part.
   size_t corners(const LeafFace& face) {
     size_t n = 4;
-    for_each_corner(face, [](const Index3&) {}, [&](const Index3& p) { n += number(p) >= 0 ? 1 : 0; });
+    for_each_corner(
+        face, [](const Index3&) {}, [&](const Index3& p) { n += number(p) >= 0 ? 1 : 0; });
     return n;
   }
   void append(const LeafFace& face, std::vector<int32_t>& out) {
+    if (cell_.level == 0) {  // most faces: all corners are among the 27 of the eight cells, and there are no middles
+      constexpr std::array<size_t, 3> kStep{1, 3, 9};
+      const auto a = static_cast<size_t>(face.axis());
+      const size_t b = kStep[(a + 1) % 3], c = kStep[(a + 2) % 3], first = face.up() ? b : c, second = face.up() ? c : b;
+      size_t place = face.up() ? kStep[a] : 0;
+      for (size_t d = 0; d < 3; ++d) place += kStep[d] * static_cast<size_t>(cell_.first[d] - corner_[d]);
+      for (const size_t corner : {place, place + first, place + first + second, place + second})
+        out.push_back(static_cast<int32_t>(at_place(corner)));
+      return;
+    }
     for_each_corner(
         face, [&](const Index3& p) { out.push_back(static_cast<int32_t>(number(p))); },
         [&](const Index3& p) {
@@ -125,6 +141,7 @@ class RefinedMesh::Block {
     std::reverse(out.begin() + static_cast<std::ptrdiff_t>(begin) + 1, out.end());
   }
   uint32_t what(const LeafFace& face) { return walls_.what(face); }
+  size_t cells() const { return block_->in_mesh; }
 
   // point(part, point, level of the coarsest cell that has it as a corner)
   template <class Point>
@@ -175,11 +192,18 @@ class RefinedMesh::Block {
     if (cell.level != cell_.level || cell.level > 0 || corner != corner_ || part != part_) known_.fill(kUnknown);
     cell_ = cell, corner_ = corner, part_ = part;
   }
+  int64_t at_place(size_t place) {  // of one of the 27
+    if (known_[place] != kUnknown) return known_[place];
+    const auto i = static_cast<int64_t>(place);
+    const Index3 p{corner_[0] + i % 3, corner_[1] + i / 3 % 3, corner_[2] + i / 9};
+    return known_[place] = points_.number(p, part_, mesh_.mesh_.box);
+  }
   // Of a corner or the middle of an edge: each is asked for by several faces.
   int64_t number(const Index3& p) {
     size_t place = 0;
     for (size_t d = 3; d-- > 0;)
       place = place * 3 + (cell_.level == 0 ? static_cast<size_t>(p[d] - corner_[d]) : p[d] == cell_.lo(d) ? 0 : p[d] == cell_.hi(d) ? 2 : 1);
+    if (cell_.level == 0) return at_place(place);
     if (known_[place] == kUnknown) known_[place] = points_.number(p, part_, mesh_.mesh_.box);
     return known_[place];
   }
@@ -207,6 +231,10 @@ RefinedMesh::RefinedMesh(const Export& e, const RefinedGrid& refined, const std:
 std::vector<PartOut> RefinedMesh::make(const Index3& at, bool numbers) const {
   std::vector<PartOut> out;
   Block block(*this, at);
+  const auto reserve = [&](GroupOut& g) {
+    const size_t faces = g.group == kInner ? block.cells() * 33 / 10 : 0;
+    g.sizes.reserve(faces), g.owner.reserve(faces), g.neighbour.reserve(faces), g.corners.reserve(numbers ? 4 * faces : 0);
+  };
   if (numbers)
     block.for_each_point([&](uint32_t part, const Index3& p, int level) {
       PartOut& own = part_in(out, part);
@@ -223,11 +251,14 @@ std::vector<PartOut> RefinedMesh::make(const Index3& at, bool numbers) const {
         PartOut& own = part_in(out, part);
         own.cell_level.push_back(static_cast<int8_t>(coarsest_ - leaf.level));
         const auto make_zone = [&] { return std::pair(leaf.material(), std::vector<int32_t>()); };
-        entry_of(own.zones, [&](const auto& z) { return z.first == leaf.material(); }, make_zone).second.push_back(static_cast<int32_t>(number - begins_[part]));
+        entry_of(
+            own.zones, [&](const auto& z) { return z.first == leaf.material(); }, make_zone)
+            .second.push_back(static_cast<int32_t>(number - begins_[part]));
       },
       [&](int64_t number, uint32_t part, const LeafFace& face, int64_t beyond, uint32_t other) {
         const auto put = [&](uint32_t in, FaceGroup group, int64_t owner) -> GroupOut& {
           GroupOut& g = group_in(part_in(out, in), group);
+          if (g.sizes.empty()) reserve(g);
           const size_t before = g.corners.size();
           if (!numbers) {
             g.sizes.push_back(static_cast<uint8_t>(block.corners(face)));
@@ -253,24 +284,22 @@ MeshCounts RefinedMesh::count(const PartBegins& begins, const std::function<void
   MeshCounts out;
   out.parts.resize(begins.size() - 1);
   const bool keep = cells() <= kMostKept;
-  grid_.for_each_block(
-      [&](double share) { progress((1 + 3 * share) / 4); },
-      [&](const Index3& at) { return std::pair(at, make(at, keep)); },
-      [&](std::pair<Index3, std::vector<PartOut>> made) {
-        for (const PartOut& part : made.second) {
-          PartCounts& own = out.parts[part.part];
-          own.cells += static_cast<int64_t>(part.cell_level.size());
-          for (const auto& [material, cells] : part.zones) own.zones[material] += static_cast<int64_t>(cells.size());
-          for (const GroupOut& g : part.groups) {
-            const auto faces = static_cast<int64_t>(g.sizes.size());
-            own.faces[g.group] += faces;
-            own.corners[g.group] += std::accumulate(g.sizes.begin(), g.sizes.end(), int64_t{0});
-            if (g.group == kInner) out.inner += faces;
-            else if (g.group < kShared) out.patches[static_cast<uint32_t>(g.group)] += faces;
-          }
-        }
-        if (keep) kept_[made.first] = std::move(made.second);
-      });
+  grid_.for_each_block([&](double share) { progress((1 + 3 * share) / 4); }, [&](const Index3& at) { return std::pair(at, make(at, keep)); },
+                       [&](std::pair<Index3, std::vector<PartOut>> made) {
+                         for (const PartOut& part : made.second) {
+                           PartCounts& own = out.parts[part.part];
+                           own.cells += static_cast<int64_t>(part.cell_level.size());
+                           for (const auto& [material, cells] : part.zones) own.zones[material] += static_cast<int64_t>(cells.size());
+                           for (const GroupOut& g : part.groups) {
+                             const auto faces = static_cast<int64_t>(g.sizes.size());
+                             own.faces[g.group] += faces;
+                             own.corners[g.group] += std::accumulate(g.sizes.begin(), g.sizes.end(), int64_t{0});
+                             if (g.group == kInner) out.inner += faces;
+                             else if (g.group < kShared) out.patches[static_cast<uint32_t>(g.group)] += faces;
+                           }
+                         }
+                         if (keep) kept_[made.first] = std::move(made.second);
+                       });
   out.cells = cells();
   for (uint32_t part = 0; part < out.parts.size(); ++part) {
     out.parts[part].points = points_->points(part);
@@ -279,7 +308,8 @@ MeshCounts RefinedMesh::count(const PartBegins& begins, const std::function<void
   return out;
 }
 
-void RefinedMesh::write(const MeshCounts& counts, const MeshNames& names, const MeshOutput& output, const std::function<void(double share)>& progress) {
+void RefinedMesh::write(const MeshCounts& counts, const MeshNames& names, const MeshOutput& output,
+                        const std::function<void(double share)>& progress) {
   Streams streams;
   std::vector<std::unique_ptr<MeshFiles>> files;
   for (uint32_t part = 0; part < counts.parts.size(); ++part)

@@ -12,13 +12,6 @@ Index3 shifted_down(const Index3& cell, int bits) { return {cell[0] >> bits, cel
 
 }  // namespace
 
-size_t LeafBlock::memory() const { return sizeof *this + eights.capacity() * sizeof eights[0] + leaves.capacity() * sizeof leaves[0] + region.capacity() * 4; }
-
-Index3 LeafBlock::first_cell(uint32_t i) const {
-  const Index3 inside = cell_of_code(leaves[i].code);
-  return {(at[0] << kBits) + inside[0], (at[1] << kBits) + inside[1], (at[2] << kBits) + inside[2]};
-}
-
 LeafGrid::LeafGrid(const RefinedGrid& refined, const MeshOfLeaves& mesh) : refined_(refined), mesh_(mesh), blocks_(kBlockMemory) {}
 
 std::shared_ptr<LeafBlock> LeafGrid::make(const Index3& at) const {
@@ -64,6 +57,58 @@ std::shared_ptr<const LeafBlock> LeafGrid::block(const Index3& at) const {
     const size_t bytes = made->memory();
     return std::pair(std::shared_ptr<const LeafBlock>(std::move(made)), bytes);
   });
+}
+
+void LeafGrid::keep_largest_region(const std::function<void(double share)>& progress) {
+  regions_ = Regions::kSought;
+  JoinedSets sets;
+  std::vector<int64_t> cells;  // by region of a block
+  using Counts = std::vector<int64_t>;
+  for_each_block([&](double share) { progress(share / 2); },
+                 [&](const Index3& at) {
+                   const auto found = block(at);
+                   Counts counts;
+                   for (uint32_t i = 0; i < found->size(); ++i) {
+                     if (found->leaves[i].number == LeafBlock::kNotInMesh) continue;
+                     if (found->region[i] >= counts.size()) counts.resize(found->region[i] + 1);
+                     ++counts[found->region[i]];
+                   }
+                   return std::pair(at, counts);
+                 },
+                 [&](const std::pair<Index3, Counts>& found) {
+                   if (found.second.empty()) return;
+                   first_region_[found.first] = sets.size();
+                   for (const int64_t count : found.second) sets.add(), cells.push_back(count);
+                 });
+  using Pairs = std::vector<std::pair<uint32_t, uint32_t>>;
+  for_each_block([&](double share) { progress((1 + share) / 2); },
+                 [&](const Index3& at) {
+                   const auto own = block(at);
+                   NearLeaves near(*this, at);
+                   Pairs pairs;
+                   const auto region = [&](const LeafAt& leaf) { return first_region_.at(leaf.block->at) + leaf.block->region[leaf.i]; };
+                   for (uint32_t i = 0; i < own->size(); ++i) {
+                     const LeafAt leaf = near.leaf(*own, i);
+                     if (!leaf.in_mesh()) continue;
+                     for (size_t axis = 0; axis < 3; ++axis)
+                       for (const bool up : {false, true}) {
+                         const LeafAt other = near.beside(leaf, axis, up);
+                         if (!other || !other.in_mesh() || other.block == leaf.block) continue;
+                         const std::pair both{region(leaf), region(other)};
+                         if (pairs.empty() || pairs.back() != both) pairs.push_back(both);
+                       }
+                   }
+                   return pairs;
+                 },
+                 [&](const Pairs& pairs) {
+                   for (const auto& [a, b] : pairs) sets.join(a, b);
+                 });
+  Counts whole(cells.size());
+  for (uint32_t i = 0; i < sets.size(); ++i) whole[sets.root(i)] += cells[i];
+  const auto largest = static_cast<uint32_t>(std::ranges::max_element(whole) - whole.begin());
+  for (uint32_t i = 0; i < sets.size(); ++i) kept_.push_back(sets.root(i) == largest);
+  regions_ = Regions::kFound;
+  blocks_.clear();
 }
 
 void LeafGrid::number(const std::function<void(double share)>& progress, const std::function<void(const LeafBlock&)>& see) {

@@ -99,7 +99,8 @@ PointBlock LeafPoints::make(const Index3& at) const {
       for (const LeafAt& beside : around)
         if (beside && beside.in_mesh()) add(part_of(begins_, beside.number()), number);
     }
-    std::sort(out.others.begin() + static_cast<std::ptrdiff_t>(others), out.others.end(), [](const auto& a, const auto& b) { return a.part < b.part; });
+    std::sort(out.others.begin() + static_cast<std::ptrdiff_t>(others), out.others.end(),
+              [](const auto& a, const auto& b) { return a.part < b.part; });
   }
   const auto count = [&](uint32_t part, PointBlock::Entry& entry) {
     if (entry.points == 0) return;

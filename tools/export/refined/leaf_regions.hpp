@@ -1,6 +1,6 @@
-// Which cells of a mesh hang together through faces: within a block, and from block to block.
+// Which cells of a mesh hang together through faces.
 #pragma once
-#include "tools/export/refined/leaf_grid.hpp"
+#include "tools/export/refined/leaf_block.hpp"
 
 namespace teracell::exports {
 
@@ -25,7 +25,7 @@ class JoinedSets {
   std::vector<uint32_t> above_;
 };
 
-// Fills LeafBlock::region.
+// Fills LeafBlock::region: what hangs together within the block.
 void find_regions(LeafBlock& block, const Box& box);
 
 }  // namespace teracell::exports

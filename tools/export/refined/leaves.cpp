@@ -28,18 +28,20 @@ void write_leaves(const Export& e) {
     written += records.size();
     records.clear();
   };
-  grid.leaves().for_each(e.box, grid.threads(), [&](double share) { e.progress((1 + share) / 2); }, [&](std::span<const Leaf> found) {
-    size_t at = records.size();
-    records.resize(at + found.size() * kRecord);
-    const auto put = [&](const auto& value) {
-      std::memcpy(&records[at], &value, sizeof value);
-      at += sizeof value;
-    };
-    for (const Leaf& leaf : found) put(static_cast<int32_t>(leaf.level)), put(leaf.cell), put(grid.numbers()[leaf.label]);
-    number += static_cast<int64_t>(found.size());
-    constexpr size_t kAtOnce = 4 << 20;
-    if (records.size() > kAtOnce) write();
-  });
+  grid.leaves().for_each(
+      e.box, grid.threads(), [&](double share) { e.progress((1 + share) / 2); },
+      [&](std::span<const Leaf> found) {
+        size_t at = records.size();
+        records.resize(at + found.size() * kRecord);
+        const auto put = [&](const auto& value) {
+          std::memcpy(&records[at], &value, sizeof value);
+          at += sizeof value;
+        };
+        for (const Leaf& leaf : found) put(static_cast<int32_t>(leaf.level)), put(leaf.cell), put(grid.numbers()[leaf.label]);
+        number += static_cast<int64_t>(found.size());
+        constexpr size_t kAtOnce = 4 << 20;
+        if (records.size() > kAtOnce) write();
+      });
   write();
   file.write_at(0, npy_header(kLeafFields, {number}, head));
   e.progress(1);

@@ -25,6 +25,12 @@ std::vector<ExportOption> refined_options(std::vector<ExportOption> own) {
   return own;
 }
 
+void expect_refined(const Export& e) {
+  if (e.has("--refine")) return;
+  for (const ExportOption& option : refined_options())
+    if (e.has(option.name)) throw UsageError(fmt::format("{}: expected --refine M,N with it, found none", option.name));
+}
+
 RefinedGrid::RefinedGrid(const Export& e, double share)
     : refinement_(parse_refinement(e.reader.meta(), value_of(e, "--refine", ""), value_of(e, "--want", ""), "--refine", "--want")),
       threads_(static_cast<int>(e.integer("--threads", 1, 1024, std::max(1U, std::thread::hardware_concurrency())))) {

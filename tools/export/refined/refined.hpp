@@ -10,6 +10,9 @@ namespace teracell::exports {
 // --refine, --want, --threads and --tmp, and those of the format itself.
 std::vector<ExportOption> refined_options(std::vector<ExportOption> own = {});
 
+// Throws UsageError if options of refined grids were given without --refine.
+void expect_refined(const Export& e);
+
 // The leaves of the export's box, prepared, and what is written for their labels.
 class RefinedGrid {
  public:

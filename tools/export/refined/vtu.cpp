@@ -28,7 +28,8 @@ class Arrays {
     const Array& a = arrays_[i];
     uint64_t offset = 0;
     for (size_t before = 0; before < i; ++before) offset += sizeof(uint64_t) + arrays_[before].bytes;
-    return fmt::format("<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"appended\" offset=\"{}\"/>\n", a.type, a.name, a.components, offset);
+    return fmt::format("<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"appended\" offset=\"{}\"/>\n", a.type, a.name,
+                       a.components, offset);
   }
   // The header ends where the first array begins.
   void begin(const std::string& header) {
@@ -62,7 +63,8 @@ struct BlockOfVtu {
   std::vector<int64_t> connectivity, offsets;
 };
 
-BlockOfVtu block_of_vtu(const Export& e, const LeafGrid& grid, const LeafPoints& points, const std::vector<uint32_t>& numbers, size_t bytes, const Index3& at) {
+BlockOfVtu block_of_vtu(const Export& e, const LeafGrid& grid, const LeafPoints& points, const std::vector<uint32_t>& numbers, size_t bytes,
+                        const Index3& at) {
   constexpr uint8_t kHexahedron = 12;
   BlockOfVtu out;
   const auto block = grid.block(at);
@@ -78,7 +80,8 @@ BlockOfVtu block_of_vtu(const Export& e, const LeafGrid& grid, const LeafPoints&
     }
     for (size_t corner = 0; corner < 8; ++corner) {  // x and y turn round the lower side, then round the upper one
       const bool x = corner % 4 == 1 || corner % 4 == 2, y = corner % 4 >= 2, z = corner >= 4;
-      out.connectivity.push_back(near_points.number({x ? leaf.hi(0) : leaf.lo(0), y ? leaf.hi(1) : leaf.lo(1), z ? leaf.hi(2) : leaf.lo(2)}, 0, e.box));
+      out.connectivity.push_back(
+          near_points.number({x ? leaf.hi(0) : leaf.lo(0), y ? leaf.hi(1) : leaf.lo(1), z ? leaf.hi(2) : leaf.lo(2)}, 0, e.box));
     }
     out.offsets.push_back(8 * (leaf.number() + 1));
     out.types.push_back(kHexahedron);
@@ -105,16 +108,20 @@ void write_vtu(const Export& e) {
   const size_t bytes = bytes_per_cell(e.most());
   OutputFile file(e.output);
   Arrays arrays(file, {{"UInt8", "level", n},
-                       {bytes == 1 ? "UInt8" : bytes == 2 ? "UInt16" : "UInt32", "material", n * bytes},
+                       {bytes == 1   ? "UInt8"
+                        : bytes == 2 ? "UInt16"
+                                     : "UInt32",
+                        "material", n * bytes},
                        {"Float64", "points", 3 * sizeof(double) * p, 3},
                        {"Int64", "connectivity", 8 * sizeof(int64_t) * n},
                        {"Int64", "offsets", sizeof(int64_t) * n},
                        {"UInt8", "types", n}});
-  arrays.begin(fmt::format("<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n"
-                           "<UnstructuredGrid>\n{}<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n<CellData Scalars=\"material\">\n{}{}</CellData>\n"
-                           "<Points>\n{}</Points>\n<Cells>\n{}{}{}</Cells>\n</Piece>\n</UnstructuredGrid>\n<AppendedData encoding=\"raw\">\n_",
-                           e.map.empty() ? vtk_names(materials) : "", p, n, arrays.element(kLevel), arrays.element(kMaterial), arrays.element(kPoints),
-                           arrays.element(kConnectivity), arrays.element(kOffsets), arrays.element(kTypes)));
+  arrays.begin(
+      fmt::format("<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n"
+                  "<UnstructuredGrid>\n{}<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n<CellData Scalars=\"material\">\n{}{}</CellData>\n"
+                  "<Points>\n{}</Points>\n<Cells>\n{}{}{}</Cells>\n</Piece>\n</UnstructuredGrid>\n<AppendedData encoding=\"raw\">\n_",
+                  e.map.empty() ? vtk_names(materials) : "", p, n, arrays.element(kLevel), arrays.element(kMaterial), arrays.element(kPoints),
+                  arrays.element(kConnectivity), arrays.element(kOffsets), arrays.element(kTypes)));
   grid.for_each_block(
       share(0.6, 1), [&](const Index3& at) { return block_of_vtu(e, grid, points, refined.numbers(), bytes, at); },
       [&](const BlockOfVtu& block) {
