@@ -176,7 +176,7 @@ class Grid {
   // How a grid is refined: as tc_leaves() says.
   struct Refined {
     int coarsest, layers = 2;
-    std::string want = "";
+    std::string want{};
     int threads = 0;
   };
   // Calls visit(const tc_leaf&) for the leaves that have a cell in a box of level 0, in Morton order. What it throws ends the reading and is

@@ -63,17 +63,20 @@ std::optional<Subtree> Leaves::larger_leaf(const Subtree& s) const {
 template <class Sink>
 class Leaves::Block {
  public:
-  Block(const Leaves& leaves, const Splits::Base& base, const Subtree& from, const Box& box, Sink& sink)
+  Block(const Leaves& leaves, const Splits::Base& base, const Box& box, Sink& sink)
       : leaves_(leaves), box_{place(box.lo), place(box.hi)}, grid_{place(leaves.reader_.meta().grid.cells())}, base_(base), sink_(sink) {
     for (int child = 0; child < 8; ++child) steps_[static_cast<size_t>(child)] = place({child % 2, child / 2 % 2, child / 4});
-    for (int level = 1; level <= std::min(leaves.coarsest(), kBlockLevel); ++level) {
+  }
+
+  void go(const Subtree& from) {
+    for (int level = 1; level <= std::min(leaves_.coarsest(), kBlockLevel); ++level) {
       const int tier = (level - 1) / 2;
       const auto number = static_cast<size_t>(level - 1 - 2 * tier);
       const BlockSplits* splits = &base_.splits;
       if (tier > 0) {
         Index3 above = place(from.cell);
         for (int64_t& a : above) a >>= kBlockLevel - from.level + 2 * tier;
-        held_.push_back(leaves.splits_.get({tier, above}));
+        held_.push_back(leaves_.splits_.get({tier, above}));
         splits = held_.back().get();
       }
       if (number < splits->split.size()) split_[static_cast<size_t>(level)] = &splits->split[number];
@@ -146,13 +149,13 @@ template <class Sink>
 void Leaves::visit(const Subtree& s, const Box& box, Sink&& sink) const {
   if (s.level == kBlockLevel) {  // it won't be asked for again
     const Splits::Base made = splits_.base({s.cell[frame_.u], s.cell[frame_.v], s.cell[frame_.w]});
-    Block<Sink>(*this, made, s, box, sink);
+    Block<Sink>(*this, made, box, sink).go(s);
     return;
   }
   if (s.level < kBlockLevel) {
     Index3 block = s.cell;
     for (int64_t& c : block) c >>= kBlockLevel - s.level;
-    Block<Sink>(*this, *base(block), s, box, sink);
+    Block<Sink>(*this, *base(block), box, sink).go(s);
     return;
   }
   Index3 at{};

@@ -205,7 +205,8 @@ Splits::Base Splits::make_base(const Index3& at, Bytes* record) const {
   const Box level_1 = tiers() > 0 ? window(block) : Box{};
   const Box cells = tiers() > 0 ? common(grown(shifted(level_1, 1), odd + 1), by_rays(reader_.shape(0))) : own;
   Base out;
-  if ((out.label = quiet(cells, RefinedBlock::kBits))) return out;
+  out.label = quiet(cells, RefinedBlock::kBits);
+  if (out.label) return out;
   out.window.emplace(reader_, chunks_, cells);
   if (tiers() == 0) return out;
   std::vector<Bits> bits;

@@ -130,7 +130,7 @@ void check_part(const Wanted& w, const Metadata& meta, const Refinement& r, cons
   const PolyMesh mesh(folder);
   const std::vector<Plane> points = places_of(mesh, meta.grid);
   CHECK(std::set(points.begin(), points.end()).size() == points.size());
-  const auto leaf_number = [&](int32_t cell) { return w.cells[static_cast<size_t>(first + cell)]; };
+  const auto leaf_number = [&](int32_t cell) { return w.cells[static_cast<size_t>(int64_t{first} + cell)]; };
 
   const std::vector<int32_t> cell_level = labels_of(folder / "cellLevel");
   REQUIRE(cell_level.size() == static_cast<size_t>(end - first));

@@ -19,7 +19,8 @@ std::shared_ptr<LeafBlock> LeafGrid::make(const Index3& at) const {
   out->at = at;
   const Leaves& leaves = refined_.leaves();
   Subtree from{LeafBlock::kBits, at};
-  if ((out->cover = leaves.larger_leaf(from))) {
+  out->cover = leaves.larger_leaf(from);
+  if (out->cover) {
     if (shifted_down(out->cover->first(), LeafBlock::kBits) != at) return out;
     from = *out->cover;
     out->cover.reset();
