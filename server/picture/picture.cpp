@@ -53,13 +53,15 @@ SetColors::SetColors(const Metadata& meta, int level, std::vector<bool> shown) :
   complete_ = (level == 0 || n <= 8) && colors_.size() <= 256;
 }
 
-uint16_t SetColors::number_of_materials(const std::vector<uint32_t>& materials) {
-  const Rgba color = of_materials_.of(materials);
+uint16_t SetColors::number_of_materials(const std::vector<uint32_t>& materials) { return number_of(of_materials_.of(materials)); }
+
+uint16_t SetColors::number_of(const Rgba& color) {
   std::lock_guard lock(mutex_);
   if (const auto it = by_color_.find(PngFile::rgba(color)); it != by_color_.end()) return it->second;
   if (colors_.size() == kMaxSetColors)
     throw UsageError(fmt::format("the picture has more than {} colours: ask for a smaller part of it", kMaxSetColors));
   colors_.push_back(color);
+  complete_ = complete_ && colors_.size() <= 256;
   const auto number = static_cast<uint16_t>(colors_.size() - 1);
   by_color_[PngFile::rgba(color)] = number;
   return number;

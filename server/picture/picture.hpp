@@ -34,6 +34,7 @@ class SetColors {
  public:
   // For pictures of `level` (on level 0 each set has one member). Keeps a reference to `meta`.
   SetColors(const Metadata& meta, int level, std::vector<bool> shown = {});
+  uint16_t number_of(const Rgba& color);  // of one that is drawn besides. REQUIRES: before there is a PngWriter
   uint16_t number(const std::vector<Label>& set) { return number_of_materials(materials_of(meta_, set)); }
   SetValue value() {
     return [this](const std::vector<Label>& set) { return number(set); };

@@ -1,9 +1,11 @@
 // teracell slice: one slice as a picture or an array.
 #include <cmath>
+#include <numeric>
 #include <optional>
 
 #include <fmt/format.h>
 
+#include "server/picture/leaf_lines.hpp"
 #include "server/picture/picture.hpp"
 #include "server/picture/to_scale.hpp"
 #include "store/base/error.hpp"
@@ -24,6 +26,7 @@ struct SliceArguments {
   bool to_scale = false;
   std::optional<int64_t> pixels;
   int level = 0, threads = 0;
+  std::optional<std::string> refine, want;
 };
 
 SliceView view_of(const SliceArguments& o, const Metadata& meta) {
@@ -70,18 +73,48 @@ void write_png(const GridReader& reader, const SliceView& view, const SliceArgum
   const Pixels pixels = pixels_of(o, view, reader.meta().grid);
   const int64_t width = o.to_scale ? std::ssize(pixels.u) : view.u1 - view.u0, height = o.to_scale ? std::ssize(pixels.v) : view.v1 - view.v0;
   server::SetColors colors(reader.meta(), view.level);
+  const int threads = threads_or_all(o.threads);
+  std::optional<Leaves> leaves;
+  std::optional<server::LeafLines> lines;
+  if (o.refine) {
+    leaves.emplace(reader, parse_refinement(reader.meta(), *o.refine, o.want.value_or(""), "--refine", "--want"),
+                   std::filesystem::temp_directory_path());
+    leaves->prepare(server::LeafLines::box_of(view), threads, [](double) { Wanted::stop_if_not(); });
+    const auto all = [](int64_t from, int64_t to) {
+      std::vector<int64_t> out(static_cast<size_t>(to - from));
+      std::iota(out.begin(), out.end(), from);
+      return out;
+    };
+    lines.emplace(*leaves, view, o.to_scale ? pixels.u : all(view.u0, view.u1), o.to_scale ? pixels.v : all(view.v0, view.v1), threads, colors);
+  }
   server::PngWriter png(static_cast<uint32_t>(width), static_cast<uint32_t>(height), colors,
                         [&](std::span<const uint8_t> bytes) { file.append(bytes); });
-  std::vector<uint16_t> line(pixels.u.size());
+  int64_t number = height;  // of the row of pixels that was written last
+  std::vector<uint16_t> drawn;
+  const auto append = [&](std::span<const uint16_t> row) {  // a whole row where there are lines
+    --number;
+    if (!lines) return png.append(row);
+    drawn.assign(row.begin(), row.end());
+    lines->draw(number, drawn);
+    png.append(drawn);
+  };
+  std::vector<uint16_t> line(lines ? static_cast<size_t>(width) : pixels.u.size());
   size_t column = 0, rows = pixels.v.size();  // the next one, and how many are left
   int64_t u = view.u0;
-  for_each_row(reader, view, colors.value(), true, threads_or_all(o.threads), [&](int64_t v, std::span<const uint16_t> row) {
+  for_each_row(reader, view, colors.value(), true, threads, [&](int64_t v, std::span<const uint16_t> row) {
     Wanted::stop_if_not();
+    if (!o.to_scale && lines) {  // rows may come in parts
+      std::ranges::copy(row, line.begin() + (u - view.u0));
+      u += std::ssize(row);
+      if (u < view.u1) return;
+      u = view.u0;
+      return append(line);
+    }
     if (!o.to_scale) return png.append(row);
     for (; column < line.size() && pixels.u[column] < u + std::ssize(row); ++column) line[column] = row[static_cast<size_t>(pixels.u[column] - u)];
     u += std::ssize(row);
     if (u < view.u1) return;
-    for (; rows > 0 && pixels.v[rows - 1] == v; --rows) png.append(line);
+    for (; rows > 0 && pixels.v[rows - 1] == v; --rows) append(line);
     u = view.u0, column = 0;
   });
   png.finish();
@@ -104,6 +137,10 @@ void run(const SliceArguments& o) {
   const std::string extension = std::filesystem::path(o.output).extension();
   if (extension != ".png" && extension != ".npy")
     throw UsageError(fmt::format("--output: expected a name that ends in .png or .npy, found '{}'", o.output));
+  if (o.refine && (extension == ".npy" || o.level != 0))
+    throw UsageError(fmt::format("--refine: expected a picture of level 0, on which leaves are drawn, found {}",
+                                 o.level != 0 ? fmt::format("level {}", o.level) : "an array"));
+  if (o.want && !o.refine) throw UsageError("--want: expected --refine M,N with it, found none");
   if (o.to_scale && extension == ".npy") throw UsageError("--true: expected a picture, found an array: its cells have no widths");
   if (o.pixels && !o.to_scale) throw UsageError("--pixels: expected --true too: other pictures have a pixel per cell");
   check_output({o.grid.name}, o.output);
@@ -127,6 +164,8 @@ Run setup_slice(CLI::App& app) {
   app.add_option("-o,--output", o->output, "a .png (v points up) or an .npy (material ids, shape [v][u], row 0 is v = 0)")->required();
   app.add_option("--level", o->level, "the level of the pyramid: its cells are 2^level times as wide (default 0)");
   app.add_option("--region", o->region, "U0,V0,U1,V1: half open, in cells of the level; z-slices have u = x, v = y; y-slices x, z; x-slices y, z");
+  app.add_option("--refine", o->refine, "M,N: with lines between the leaves of the grid refined so, as for export");
+  app.add_option("--want", o->want, "what is to be how fine, as for export");
   app.add_flag("--true", o->to_scale, "a picture to scale, where an axis is graded; otherwise a pixel is a cell");
   app.add_option("--pixels", o->pixels, fmt::format("its width (default: its longer side has {})", kLongerSide));
   add_threads(app, o->threads);
