@@ -102,8 +102,8 @@ class RefinedMesh::Block {
         faces.push_back(f);
       });
       std::ranges::sort(owned);
-      for (const auto& [beyond, i] : owned)
-        face(number, part, faces[i], beyond == kRim ? -1 : beyond, beyond == kRim ? part : part_of(mesh_.begins_, beyond));
+      for (const auto& [beyond, which] : owned)
+        face(number, part, faces[which], beyond == kRim ? -1 : beyond, beyond == kRim ? part : part_of(mesh_.begins_, beyond));
     }
   }
 
