@@ -99,20 +99,15 @@ Box Splits::window(const RefinedBlock& block) const {
   return box;
 }
 
-// For each tier, the blocks that cells of level 0 need.
+// For each tier but the last, the blocks of which cells of level 0 need the record. Whether a cell is split depends on what is marked up to N cells
+// around it on the level below, so a thin box needs little more than a box as thick as the coarsest leaves.
 std::vector<Box> Splits::blocks_for(const Box& cells) const {
   std::vector<Box> out(static_cast<size_t>(tiers()));
-  Box box = cells;  // of level 0, for the tier above
-  for (int tier = tiers() - 1; tier >= 0; --tier) {
-    const int level = 2 * tier;
-    Box& blocks = out[static_cast<size_t>(tier)];
-    blocks = covering(box, level + RefinedBlock::kBits);
-    // The corners of what these blocks depend on.
-    Index3 last = blocks.hi;
-    for (int64_t& at : last) --at;
-    Box below;
-    below.lo = window({tier, blocks.lo}).lo, below.hi = window({tier, last}).hi;
-    box = common(shifted(grown(shifted(below, 1), refinement_.layers % 2), level), by_rays(reader_.shape(0)));
+  const Box grid = by_rays(reader_.shape(0));
+  Box box = covering(cells, coarsest());
+  for (int level = coarsest() - 1; level >= 2; --level) {
+    box = common(grown(shifted(box, 1), refinement_.layers), covering(grid, level));
+    if (level % 2 == 0) out[static_cast<size_t>(level / 2 - 1)] = covering(box, RefinedBlock::kBits - 2);
   }
   return out;
 }
@@ -268,6 +263,7 @@ void Splits::keep(const RefinedBlock& block, const Bytes& record) {
 void Splits::prepare(const Box& box, int threads, const std::function<void(double share)>& progress) {
   const Box grid = by_rays(reader_.shape(0));
   if (common(box, grid).empty()) return;
+  made_.clear();  // some may have been made of too little
   const std::vector<Box> needed = blocks_for(common(box, grid));
   struct Job {
     RefinedBlock block;
@@ -279,8 +275,8 @@ void Splits::prepare(const Box& box, int threads, const std::function<void(doubl
   };
   for (int tier = 0; tier + 1 < tiers(); ++tier) {
     const Box& blocks = needed[static_cast<size_t>(tier)];
-    std::vector<Box>& before = prepared_[static_cast<size_t>(tier)];
-    const auto is_made = [&](const Index3& at) { return std::ranges::any_of(before, [&](const Box& b) { return holds(b, at); }); };
+    // Blocks of tier 0 are made of runs, once. Those above are made of as much as is known of the tier below, which may be more than before.
+    const auto is_made = [&](const Index3& at) { return tier == 0 && std::ranges::any_of(prepared_, [&](const Box& b) { return holds(b, at); }); };
     std::deque<Job> waiting;
     std::function<bool()> more;  // adds blocks that may hold something; false: there are none
     std::vector<RefinedBlock> above;
@@ -344,7 +340,7 @@ void Splits::prepare(const Box& box, int threads, const std::function<void(doubl
           keep(found.job.block, found.record);
         },
         16);
-    before.push_back(blocks);
+    if (tier == 0) prepared_.push_back(blocks);
   }
 }
 

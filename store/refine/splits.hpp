@@ -84,7 +84,7 @@ class Splits {
   SpillFile file_;
   uint64_t size_ = 0;                                                  // of the file
   std::vector<std::unordered_map<RefinedBlock, Record, KeyHash>> records_;  // by tier
-  std::vector<std::vector<Box>> prepared_;                             // of blocks, by tier
+  std::vector<Box> prepared_;                                          // of blocks of tier 0
   mutable LruCache<RefinedBlock, BlockSplits, KeyHash> made_;
 };
 

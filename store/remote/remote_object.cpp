@@ -293,10 +293,10 @@ void RemoteObject::perform(std::span<Exchange> exchanges, const std::string& url
     for (const size_t i : left) {
       Exchange e = request(exchanges[i].range, exchanges[i].most_of_part, exchanges[i].headers);
       e.most_of_whole = exchanges[i].most_of_whole;
-      const Url url = parse_url(states[i].url);
-      e.url = url.text;
-      e.loopback = is_loopback(url.host);
-      e.signing = url.origin() == place_.url.origin() ? &place_.signing : nullptr;  // others must not learn what our key signs
+      const Url to = parse_url(states[i].url);
+      e.url = to.text;
+      e.loopback = is_loopback(to.host);
+      e.signing = to.origin() == place_.url.origin() ? &place_.signing : nullptr;  // others must not learn what our key signs
       round.push_back(std::move(e));
     }
     client_.perform(round);

@@ -17,24 +17,24 @@
 namespace teracell::cli {
 namespace {
 
-std::atomic<bool> interrupted{false};  // global because a signal handler can reach nothing else
+std::atomic<bool> signalled{false};  // global because a signal handler can reach nothing else
 
 }  // namespace
 
 const std::atomic<bool>& watch_interrupts() {
   struct sigaction action {};
-  action.sa_handler = [](int) { interrupted = true; };
+  action.sa_handler = [](int) { signalled = true; };
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
   sigaction(SIGHUP, &action, nullptr);
-  return interrupted;
+  return signalled;
 }
 
 Wanted until_interrupted(const std::string& output, const std::string& outcome) {
   watch_interrupts();
   return Wanted(
       [=] {
-        if (interrupted) throw Interrupted(fmt::format("{}: interrupted: {}", output, outcome));
+        if (signalled) throw Interrupted(fmt::format("{}: interrupted: {}", output, outcome));
       },
       Wanted::Asked::kByWorkers);
 }
