@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <deque>
+#include <set>
 
 #include "store/base/in_order.hpp"
 #include "store/runs/chunk_parts.hpp"
@@ -31,6 +32,12 @@ bool holds(const Box& box, const Index3& at) {
   for (size_t d = 0; d < 3; ++d)
     if (at[d] < box.lo[d] || at[d] >= box.hi[d]) return false;
   return true;
+}
+template <class F>
+void for_each_place(const Box& box, F&& f) {  // w fastest
+  for (int64_t v = box.lo[1]; v < box.hi[1]; ++v)
+    for (int64_t u = box.lo[0]; u < box.hi[0]; ++u)
+      for (int64_t w = box.lo[2]; w < box.hi[2]; ++w) f(Index3{u, v, w});
 }
 Box by_rays(const LevelShape& s) { return {{0, 0, 0}, {s.nu, s.nv, s.nw}}; }
 
@@ -229,19 +236,18 @@ std::optional<BlockSplits> Splits::make_above(const RefinedBlock& block, Bytes* 
   bool any = false;
   Bytes bytes;
   const Box below = covering(own, RefinedBlock::kBits - 2);  // a block of the tier below has 32 x 32 x 32 cells of this level
-  for (int64_t v = below.lo[1]; v < below.hi[1]; ++v)
-    for (int64_t u = below.lo[0]; u < below.hi[0]; ++u)
-      for (int64_t w = below.lo[2]; w < below.hi[2]; ++w) {
-        const auto it = records.find({block.tier - 1, {u, v, w}});
-        if (it == records.end()) continue;
-        any = true;
-        bytes.resize(it->second.bytes);
-        file_.read(it->second.offset, bytes);
-        ByteReader in(bytes, "a block that was kept");
-        const Box box = covering(RefinedBlock{block.tier - 1, {u, v, w}}.cells(), 2);
-        add_rows(in, box, marked);
-        for (auto& [level, bits] : marks.wanted) add_rows(in, box, bits);
-      }
+  for_each_place(below, [&](const Index3& at) {
+    const RefinedBlock kept{block.tier - 1, at};
+    const auto it = records.find(kept);
+    if (it == records.end()) return;
+    any = true;
+    bytes.resize(it->second.bytes);
+    file_.read(it->second.offset, bytes);
+    ByteReader in(bytes, "a block that was kept");
+    const Box box = covering(kept.cells(), 2);
+    add_rows(in, box, marked);
+    for (auto& [level, bits] : marks.wanted) add_rows(in, box, bits);
+  });
   if (!any) return std::nullopt;
   for (const auto& [level, bits] : marks.wanted)
     if (level == block.level()) marked.add(bits);
@@ -260,88 +266,76 @@ void Splits::keep(const RefinedBlock& block, const Bytes& record) {
   size_ += record.size();
 }
 
-void Splits::prepare(const Box& box, int threads, const std::function<void(double share)>& progress) {
-  const Box grid = by_rays(reader_.shape(0));
-  if (common(box, grid).empty()) return;
-  made_.clear();  // some may have been made of too little
-  const std::vector<Box> needed = blocks_for(common(box, grid));
-  struct Job {
-    RefinedBlock block;
-    double share;  // of the blocks before it
-  };
+// Makes the records of blocks of a tier and keeps them. next() gives a block and the share of all that lies before it, or nothing.
+template <class Next>
+void Splits::make_records(int threads, const std::function<void(double share)>& progress, Next next) {
   struct Found {
-    Job job;
+    std::pair<RefinedBlock, double> job;
     Bytes record;
   };
-  for (int tier = 0; tier + 1 < tiers(); ++tier) {
-    const Box& blocks = needed[static_cast<size_t>(tier)];
-    // Blocks of tier 0 are made of runs, once. Those above are made of as much as is known of the tier below, which may be more than before.
-    const auto is_made = [&](const Index3& at) { return tier == 0 && std::ranges::any_of(prepared_, [&](const Box& b) { return holds(b, at); }); };
-    std::deque<Job> waiting;
-    std::function<bool()> more;  // adds blocks that may hold something; false: there are none
-    std::vector<RefinedBlock> above;
-    size_t next_above = 0;
-    const Box many = covering(blocks, kManyBits);
-    Index3 at = many.lo;
-    if (tier == 0) {
-      more = [&] {
-        if (at[1] >= many.hi[1]) return false;
-        const double share = static_cast<double>((at[1] - many.lo[1]) * (many.hi[0] - many.lo[0]) + (at[0] - many.lo[0])) /
-                             static_cast<double>((many.hi[1] - many.lo[1]) * (many.hi[0] - many.lo[0]));
-        const Box group = common(shifted({at, {at[0] + 1, at[1] + 1, at[2] + 1}}, kManyBits), blocks);
-        const Box cells = grown(shifted(group, RefinedBlock::kBits), refinement_.layers * 3 + 2);
-        if (!quiet(common(cells, grid), RefinedBlock::kBits + kManyBits))
-          for (int64_t v = group.lo[1]; v < group.hi[1]; ++v)
-            for (int64_t u = group.lo[0]; u < group.hi[0]; ++u)
-              for (int64_t w = group.lo[2]; w < group.hi[2]; ++w) waiting.push_back({{0, {u, v, w}}, share});
-        if (++at[2] < many.hi[2]) return true;
-        at[2] = many.lo[2];
-        if (++at[0] < many.hi[0]) return true;
-        at[0] = many.lo[0], ++at[1];
-        return true;
-      };
-    } else {
-      // Those that a block of the tier below reaches.
-      std::unordered_map<RefinedBlock, bool, KeyHash> reached;
-      for (const auto& [below, record] : records_[static_cast<size_t>(tier - 1)]) {
-        const Box cells = grown(covering(below.cells(), 2), 4 * refinement_.layers + 2);
-        const Box reach = common(covering(cells, RefinedBlock::kBits), blocks);
-        for (int64_t v = reach.lo[1]; v < reach.hi[1]; ++v)
-          for (int64_t u = reach.lo[0]; u < reach.hi[0]; ++u)
-            for (int64_t w = reach.lo[2]; w < reach.hi[2]; ++w)
-              if (reached.try_emplace({tier, {u, v, w}}).second) above.push_back({tier, {u, v, w}});
-      }
-      std::ranges::sort(above, {}, &RefinedBlock::at);
-      more = [&] {
-        if (next_above == above.size()) return false;
-        waiting.push_back({above[next_above++], 1});
-        return true;
-      };
-    }
-    in_order(
-        threads,
-        [&]() -> std::optional<Job> {
-          for (;;) {
-            while (waiting.empty())
-              if (!more()) return std::nullopt;
-            const Job job = waiting.front();
-            waiting.pop_front();
-            if (!is_made(job.block.at)) return job;
-          }
-        },
-        [&](const Job& job, int) {
-          Found found{job, {}};
-          if (tier == 0) make_base(job.block.at, &found.record);
-          else make_above(job.block, &found.record);
-          return found;
-        },
-        [&](const Found& found) {
-          progress(found.job.share);
-          keep(found.job.block, found.record);
-        },
-        16);
-    if (tier == 0) prepared_.push_back(blocks);
-  }
+  in_order(
+      threads, next,
+      [&](const std::pair<RefinedBlock, double>& job, int) {
+        Found found{job, {}};
+        if (job.first.tier == 0) make_base(job.first.at, &found.record);
+        else make_above(job.first, &found.record);
+        return found;
+      },
+      [&](const Found& found) {
+        progress(found.job.second);
+        keep(found.job.first, found.record);
+      },
+      16);
+}
+
+// From runs. Groups of blocks that hold one label are passed by; those along the same rays follow each other, since chunks are kept for a while.
+void Splits::prepare_base(const Box& blocks, int threads, const std::function<void(double share)>& progress) {
+  const Box grid = by_rays(reader_.shape(0)), groups = covering(blocks, kManyBits);
+  const int64_t wide = groups.hi[0] - groups.lo[0], high = groups.hi[1] - groups.lo[1];
+  Index3 at = groups.lo;
+  std::deque<std::pair<RefinedBlock, double>> waiting;
+  const auto add_group = [&] {
+    const Box group = common(shifted({at, {at[0] + 1, at[1] + 1, at[2] + 1}}, kManyBits), blocks);
+    const Box cells = common(grown(shifted(group, RefinedBlock::kBits), 3 * refinement_.layers + 2), grid);
+    const double share = static_cast<double>((at[1] - groups.lo[1]) * wide + at[0] - groups.lo[0]) / static_cast<double>(wide * high);
+    if (!quiet(cells, RefinedBlock::kBits + kManyBits))
+      for_each_place(group, [&](const Index3& block) {
+        if (std::ranges::none_of(prepared_, [&](const Box& before) { return holds(before, block); })) waiting.push_back({{0, block}, share});
+      });
+    if (++at[2] < groups.hi[2]) return;
+    at[2] = groups.lo[2];
+    if (++at[0] == groups.hi[0]) at[0] = groups.lo[0], ++at[1];
+  };
+  make_records(threads, progress, [&]() -> std::optional<std::pair<RefinedBlock, double>> {
+    while (waiting.empty() && at[1] < groups.hi[1]) add_group();
+    if (waiting.empty()) return std::nullopt;
+    const auto job = waiting.front();
+    waiting.pop_front();
+    return job;
+  });
+  prepared_.push_back(blocks);
+}
+
+// From the tier below: of blocks that something there reaches. What is known of it may be more than it was for an earlier box.
+void Splits::prepare_above(int tier, const Box& blocks, int threads, const std::function<void(double share)>& progress) {
+  std::set<Index3> reached;
+  for (const auto& [below, record] : records_[static_cast<size_t>(tier - 1)])
+    for_each_place(common(covering(grown(covering(below.cells(), 2), 3 * refinement_.layers + 2), RefinedBlock::kBits), blocks),
+                   [&](const Index3& block) { reached.insert(block); });
+  auto next = reached.begin();
+  make_records(threads, progress, [&]() -> std::optional<std::pair<RefinedBlock, double>> {
+    if (next == reached.end()) return std::nullopt;
+    return std::pair(RefinedBlock{tier, *next++}, 1.0);
+  });
+}
+
+void Splits::prepare(const Box& box, int threads, const std::function<void(double share)>& progress) {
+  const Box cells = common(box, by_rays(reader_.shape(0)));
+  if (cells.empty()) return;
+  made_.clear();  // some may have been made of too little
+  const std::vector<Box> blocks = blocks_for(cells);
+  if (tiers() > 1) prepare_base(blocks[0], threads, progress);
+  for (int tier = 1; tier + 1 < tiers(); ++tier) prepare_above(tier, blocks[static_cast<size_t>(tier)], threads, progress);
 }
 
 Splits::Base Splits::base(const Index3& block) const { return make_base(block, nullptr); }

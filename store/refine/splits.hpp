@@ -74,6 +74,10 @@ class Splits {
   BlockSplits climb(const RefinedBlock& block, Marks marks, Bytes* record) const;
   Base make_base(const Index3& block, Bytes* record) const;
   std::optional<BlockSplits> make_above(const RefinedBlock& block, Bytes* record) const;
+  template <class Next>
+  void make_records(int threads, const std::function<void(double share)>& progress, Next next);
+  void prepare_base(const Box& blocks, int threads, const std::function<void(double share)>& progress);
+  void prepare_above(int tier, const Box& blocks, int threads, const std::function<void(double share)>& progress);
   void keep(const RefinedBlock& block, const Bytes& record);
   std::shared_ptr<const Chunk> chunk(const ChunkKey& key) const;
 
