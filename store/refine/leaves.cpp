@@ -170,8 +170,14 @@ void Leaves::prepare(const Box& box, int threads, const std::function<void(doubl
 }
 
 double share_of_walk(const Box& box, const Index3& first) {
-  const auto size = static_cast<double>(std::max<int64_t>(1, box.hi[2] - box.lo[2]));
-  return std::clamp(static_cast<double>(first[2] - box.lo[2]) / size, 0.0, 1.0);
+  int bit = 0;
+  while (int64_t{1} << bit < std::ranges::max(box.hi)) ++bit;
+  double share = 0, part = 1;
+  for (--bit; bit >= 0; --bit) {
+    part /= 8;
+    share += part * static_cast<double>((first[0] >> bit & 1) + 2 * (first[1] >> bit & 1) + 4 * (first[2] >> bit & 1));
+  }
+  return share;
 }
 
 void Leaves::for_each(const Box& box, int threads, const std::function<void(double share)>& progress,

@@ -31,7 +31,7 @@ struct LeafInSubtree {
 // The first level-0 cell, from that of the subtree on.
 Index3 cell_of_code(uint32_t code);
 
-// How far a walk in Morton order over a box has come, from 0 to 1.
+// How far a walk in Morton order over a box has come where it is at this cell, from 0 to 1: it never falls.
 double share_of_walk(const Box& box, const Index3& first);
 
 // Leaves by level and label.

@@ -98,11 +98,13 @@ TEST_CASE("Steps of an export ascend from 0 to 1, and one that throws leaves not
   for (const ExportFormat& format : export_formats()) {
     std::map<std::string, std::string> options;
     if (format.name == "openems") options["--epsilon"] = inner + "=2," + outer + "=3";
+    if (format.name == "leaves" || format.name == "vtu") options["--refine"] = "5,1";
     exports.emplace_back(&format, options);
+    if (format.name == "openfoam") exports.emplace_back(&format, std::map<std::string, std::string>{{"--refine", "5,1"}, {"--drop-unreachable", ""}});
     for (const char* more : {"--fractions", "--patches"})
       if (std::ranges::count(format.options, more, &ExportOption::name) > 0) options[more], exports.emplace_back(&format, options);
   }
-  CHECK(exports.size() == export_formats().size() + 5);
+  CHECK(exports.size() == export_formats().size() + 6);
   for (size_t i = 0; i < exports.size(); ++i) {
     const auto& [format, options] = exports[i];
     INFO(format->name);

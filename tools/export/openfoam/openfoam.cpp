@@ -121,6 +121,7 @@ void write_refined(const Export& e, const Division& division, const CaseFolder& 
   MeshNames names = names_of(e, counts);
   names.refined_from = coarsest_edge(e.reader.meta().grid, refined.refinement().coarsest, scale);
   mesh.write(counts, names, {[&](uint32_t part) { return folder.mesh(part); }, scale}, share(0.5, 1));
+  e.progress(1);
 }
 
 void write_equal(const Export& e, Division& division, const CaseFolder& folder, uint32_t ranks, double scale) {

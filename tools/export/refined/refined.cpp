@@ -38,6 +38,7 @@ RefinedGrid::RefinedGrid(const Export& e, double share)
   leaves_ = std::make_unique<Leaves>(e.reader, refinement_, value_of(e, "--tmp", std::filesystem::temp_directory_path()));
   const SetValue number = e.number();
   for (Label label = 0; label < e.reader.meta().labels.size(); ++label) numbers_.push_back(number({label}));
+  e.progress(0);
   leaves_->prepare(e.box, threads_, [&](double done) { e.progress(share * done); });
 }
 
