@@ -165,7 +165,7 @@ class PieceReader {
 };
 
 // The cells of a lattice that lie in `box`, as numbers of the lattice.
-Box numbers_in(const Lattice& lattice, const Box& box) {
+Box places_in(const Lattice& lattice, const Box& box) {
   Box out;
   for (int d = 0; d < 3; ++d) {
     const int64_t step = lattice.step[d];
@@ -227,7 +227,7 @@ void read_lattice(const GridReader& reader, int level, const Lattice& lattice, c
   reader.meta().grid.check_level(level);
   const Box all{{0, 0, 0}, lattice.count};
   if (all.empty()) return;
-  const Box inside = numbers_in(lattice, reader.meta().grid.box(level));
+  const Box inside = places_in(lattice, reader.meta().grid.box(level));
   const RayFrame f = reader.meta().frame();
   const LevelShape shape = reader.shape(level);
   struct Job {
@@ -247,7 +247,7 @@ void read_lattice(const GridReader& reader, int level, const Lattice& lattice, c
     if (lattice.step == Index3{1, 1, 1}) reader.prefetch(level, box);
     for_each_part(shape, RayBox(box, f), [&](const ChunkPart& p) {
       const Box numbers =
-          numbers_in(lattice, f.box({p.first_u + p.u0, p.first_v + p.v0, p.first_w + p.w0}, {p.first_u + p.u1, p.first_v + p.v1, p.first_w + p.w1}));
+          places_in(lattice, f.box({p.first_u + p.u0, p.first_v + p.v0, p.first_w + p.w0}, {p.first_u + p.u1, p.first_v + p.v1, p.first_w + p.w1}));
       if (numbers.empty()) return;
       const Cells<T> cells = cells_of(numbers, data, stride);
       const auto first = [&](int d, int64_t chunk) { return static_cast<uint32_t>(lattice.first[d] + numbers.lo[d] * lattice.step[d] - chunk); };
