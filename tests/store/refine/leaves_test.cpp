@@ -82,5 +82,33 @@ TEST_CASE("The leaves of random grids, selectors and regions are those of the de
   }
 }
 
+TEST_CASE("Faces on a patch of the surface want its level, and those of a material the finer of both") {
+  const TempFolder folder;
+  const GridReader reader =
+      meshed_reader({{shapes::box({3, 4, 5}, {30, 21, 22})}, {shapes::tetrahedron({20, 6, 8}, {52, 9, 10}, {24, 33, 12}, {26, 12, 36})}},
+                    unit_grid({60, 40, 40}), {.links = true});
+  const Metadata& meta = reader.meta();
+  const LinkReader links(reader);
+  std::map<std::pair<Index3, int>, uint32_t> patches;
+  for (int axis = 0; axis < 3; ++axis)
+    links.for_each(axis, meta.grid.box(0), [&](std::span<const CellLink> found) {
+      for (const CellLink& link : found) patches[{link.cell, axis}] = link.patch;
+    });
+  std::vector<Label> cells;
+  for (const uint32_t cell : all_cells(reader)) cells.push_back(cell);  // a label for each material
+  const Box whole = meta.grid.box(0);
+  for (const char* more : {"", ",material:"}) {
+    std::string wants = fmt::format("interface=3,patch:{}=1", meta.patches[7].name);
+    if (*more != 0) wants += fmt::format("{}{}=2", more, meta.materials[1].name);
+    const Refinement refinement = parse_refinement(meta, 4, 1, wants);
+    const auto expected = leaves_by_definition(meta, cells, refinement, whole, [&](const Index3& cell, int axis) {
+      return patches.at({cell, axis});
+    });
+    CHECK(counted(expected).size() > 4);
+    Leaves leaves(reader, refinement, folder.path());
+    expect_same(leaves_of(leaves, whole), expected);
+  }
+}
+
 }  // namespace
 }  // namespace teracell
