@@ -31,6 +31,13 @@ struct LeafInSubtree {
 // The first level-0 cell, from that of the subtree on.
 Index3 cell_of_code(uint32_t code);
 
+// Of blocks, by their place.
+struct PlaceHash {
+  size_t operator()(const Index3& at) const {
+    return ChunkKeyHash{}({0, static_cast<uint32_t>(at[0]), static_cast<uint32_t>(at[1]), static_cast<uint32_t>(at[2])});
+  }
+};
+
 // How far a walk in Morton order over a box has come where it is at this cell, from 0 to 1: it never falls.
 double share_of_walk(const Box& box, const Index3& first);
 
@@ -82,11 +89,6 @@ class Leaves {
   const GridReader& reader_;
   const RayFrame frame_;
   Splits splits_;
-  struct PlaceHash {
-    size_t operator()(const Index3& at) const {
-      return ChunkKeyHash{}({0, static_cast<uint32_t>(at[0]), static_cast<uint32_t>(at[1]), static_cast<uint32_t>(at[2])});
-    }
-  };
   mutable LruCache<Index3, Splits::Base, PlaceHash> bases_;
 };
 

@@ -224,7 +224,7 @@ RefinedMesh::RefinedMesh(const Export& e, const RefinedGrid& refined, const std:
                          const std::function<void(double share)>& progress)
     : e_(e), links_(links), coarsest_(refined.refinement().coarsest), mesh_{e.box, in_mesh}, grid_(refined, mesh_) {
   if (drop) grid_.keep_largest_region([&](double share) { progress(share / 2); });
-  grid_.number([&](double share) { progress(drop ? (1 + share) / 2 : share); }, [](const LeafBlock&) {});
+  grid_.number([&](double share) { progress(drop ? (1 + share) / 2 : share); });
 }
 
 // What a block has for the files; without numbers, only as much as has to be counted.

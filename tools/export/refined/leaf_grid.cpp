@@ -112,7 +112,7 @@ void LeafGrid::keep_largest_region(const std::function<void(double share)>& prog
   blocks_.clear();
 }
 
-void LeafGrid::number(const std::function<void(double share)>& progress, const std::function<void(const LeafBlock&)>& see) {
+void LeafGrid::number(const std::function<void(double share)>& progress) {
   std::unordered_map<Index3, int64_t, PlaceHash> first;
   for_each_block(
       progress, [&](const Index3& at) { return make(at); },
@@ -120,7 +120,6 @@ void LeafGrid::number(const std::function<void(double share)>& progress, const s
         block->first = cells_;
         if (block->in_mesh > 0) first[block->at] = cells_;
         cells_ += block->in_mesh;
-        see(*block);
         blocks_.add(block->at, block, block->memory());
       });
   first_ = std::move(first);

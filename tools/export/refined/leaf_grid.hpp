@@ -22,12 +22,11 @@ class LeafGrid {
   LeafGrid(const RefinedGrid& refined, const MeshOfLeaves& mesh);
 
   const Box& box() const { return mesh_.box; }
-  const RefinedGrid& refined() const { return refined_; }
   std::shared_ptr<const LeafBlock> block(const Index3& at) const;
   // Takes all cells out of the mesh but those of its largest region: cells that touch through faces. Of equally large ones, the first.
   void keep_largest_region(const std::function<void(double share)>& progress);
-  // Gives numbers to the mesh's cells, in Morton order. see() is called for each block in which leaves begin, in this order.
-  void number(const std::function<void(double share)>& progress, const std::function<void(const LeafBlock&)>& see);
+  // Gives numbers to the mesh's cells, in Morton order.
+  void number(const std::function<void(double share)>& progress);
   int64_t cells() const { return cells_; }
   // Makes something of each block in which leaves begin, on all threads, and takes it in Morton order.
   template <class Make, class Take>
@@ -38,11 +37,6 @@ class LeafGrid {
 
   const RefinedGrid& refined_;
   const MeshOfLeaves& mesh_;
-  struct PlaceHash {
-    size_t operator()(const Index3& at) const {
-      return ChunkKeyHash{}({0, static_cast<uint32_t>(at[0]), static_cast<uint32_t>(at[1]), static_cast<uint32_t>(at[2])});
-    }
-  };
   int64_t cells_ = 0;
   enum class Regions { kIgnored, kSought, kFound } regions_ = Regions::kIgnored;
   std::unordered_map<Index3, uint32_t, PlaceHash> first_region_;  // of a block's regions, among those of all blocks

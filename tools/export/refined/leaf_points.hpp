@@ -52,11 +52,6 @@ class LeafPoints {
   const LeafGrid& grid_;
   const PartBegins& begins_;
   std::vector<int64_t> points_;  // by part
-  struct PlaceHash {
-    size_t operator()(const Index3& at) const {
-      return ChunkKeyHash{}({0, static_cast<uint32_t>(at[0]), static_cast<uint32_t>(at[1]), static_cast<uint32_t>(at[2])});
-    }
-  };
   std::unordered_map<Index3, std::vector<std::pair<uint32_t, int64_t>>, PlaceHash> first_;
   mutable LruCache<Index3, PointBlock, PlaceHash> blocks_;
 };

@@ -99,7 +99,7 @@ void write_vtu(const Export& e) {
   const std::vector<MaterialInfo>& materials = e.reader.meta().materials;
   const MeshOfLeaves mesh{e.box, std::vector<bool>(materials.size(), true)};
   LeafGrid grid(refined, mesh);
-  grid.number(share(0.1, 0.3), [](const LeafBlock&) {});
+  grid.number(share(0.1, 0.3));
   const PartBegins all{0, grid.cells()};
   LeafPoints points(grid, all);
   points.number(share(0.3, 0.6));
