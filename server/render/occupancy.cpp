@@ -1,5 +1,6 @@
 #include "server/render/occupancy.hpp"
 
+#include "store/base/bit_words.hpp"
 #include "store/base/in_order.hpp"
 #include "store/base/wanted.hpp"
 #include "store/grid/set_memo.hpp"
@@ -8,29 +9,6 @@ namespace teracell::server {
 namespace {
 
 size_t words_per_ray(uint32_t cells) { return (size_t{cells} + 63) / 64; }
-
-// Sets the bits [lo, hi).
-void fill(uint64_t* words, uint32_t lo, uint32_t hi) {
-  const uint64_t first = ~uint64_t{0} << (lo % 64), last = ~uint64_t{0} >> (63 - (hi - 1) % 64);
-  const uint32_t from = lo / 64, to = (hi - 1) / 64;
-  if (from == to) {
-    words[from] |= first & last;
-    return;
-  }
-  words[from] |= first;
-  for (uint32_t i = from + 1; i < to; ++i) words[i] = ~uint64_t{0};
-  words[to] |= last;
-}
-
-// Bit i of the result is bit 2 i or bit 2 i + 1 of `x`.
-uint32_t pairs(uint64_t x) {
-  x = (x | x >> 1) & 0x5555555555555555;
-  x = (x | x >> 1) & 0x3333333333333333;
-  x = (x | x >> 2) & 0x0F0F0F0F0F0F0F0F;
-  x = (x | x >> 4) & 0x00FF00FF00FF00FF;
-  x = (x | x >> 8) & 0x0000FFFF0000FFFF;
-  return static_cast<uint32_t>(x | x >> 16);
-}
 
 }  // namespace
 
@@ -73,7 +51,7 @@ void Occupancy::read(const GridReader& reader, const Visible& visible, int threa
           if (const auto set = reader.uniform(key)) {
             if (visible.of(*set) == 0) continue;
             for (uint32_t v = 0; v < shape.rays_v(cv); ++v)
-              for (uint32_t u = 0; u < shape.rays_u(cu); ++u) fill(ray_words(u, v), w0, w0 + shape.length(segment));
+              for (uint32_t u = 0; u < shape.rays_u(cu); ++u) set_bits(ray_words(u, v), w0, w0 + shape.length(segment));
             continue;
           }
           const auto chunk = reader.chunk(key, scratch[worker]);
@@ -82,7 +60,7 @@ void Occupancy::read(const GridReader& reader, const Visible& visible, int threa
           for (uint32_t ray = 0; ray < rays.rays(); ++ray)
             rays.for_each_run(ray, [&](uint32_t from, uint32_t to, SetId set) {
               if (known.get(set, [&] { return visible.of(chunk->sets.members(set)) != 0; }))
-                fill(ray_words(ray % rays.nu, ray / rays.nu), w0 + from, w0 + to);
+                set_bits(ray_words(ray % rays.nu, ray / rays.nu), w0 + from, w0 + to);
             });
         }
         return 0;
@@ -101,7 +79,7 @@ void Occupancy::halve(const Bits& fine, Bits& coarse) const {
     for (uint32_t u = 0; u < fine.nu; ++u) {
       const uint64_t* const from = &fine.words[(size_t{v} * fine.nu + u) * fine.per_ray];
       uint64_t* const to = &coarse.words[(size_t{v / 2} * coarse.nu + u / 2) * coarse.per_ray];
-      for (size_t i = 0; i < fine.per_ray; ++i) to[i / 2] |= uint64_t{pairs(from[i])} << (32 * (i % 2));
+      for (size_t i = 0; i < fine.per_ray; ++i) to[i / 2] |= uint64_t{pairs_of_bits(from[i])} << (32 * (i % 2));
     }
 }
 

@@ -2,21 +2,13 @@
 
 #include <algorithm>
 
+#include "store/base/bit_words.hpp"
+
 namespace teracell::inline store {
 namespace {
 
 // Ones at [from, to) of a word. REQUIRES: from < to <= 64.
 uint64_t ones(uint64_t from, uint64_t to) { return ~uint64_t{0} >> (64 - (to - from)) << from; }
-
-// Each pair of bits becomes one, which is set if either was.
-uint64_t halved(uint64_t x) {
-  x = (x | x >> 1) & 0x5555555555555555;
-  x = (x | x >> 1) & 0x3333333333333333;
-  x = (x | x >> 2) & 0x0f0f0f0f0f0f0f0f;
-  x = (x | x >> 4) & 0x00ff00ff00ff00ff;
-  x = (x | x >> 8) & 0x0000ffff0000ffff;
-  return (x | x >> 16) & 0x00000000ffffffff;
-}
 
 // row[i] |= row[i + shift], bit by bit; beyond the end nothing is set.
 void or_shifted(std::span<uint64_t> row, size_t shift) {
@@ -64,16 +56,7 @@ void Bits::set(int64_t u, int64_t v, int64_t w0, int64_t w1) {
   if (u < box_.lo[0] || u >= box_.hi[0] || v < box_.lo[1] || v >= box_.hi[1]) return;
   const int64_t from = std::max(w0, box_.lo[2]), to = std::min(w1, box_.hi[2]);
   if (from >= to) return;
-  const auto begin = static_cast<size_t>(from - box_.lo[2]), end = static_cast<size_t>(to - box_.lo[2]);
-  uint64_t* const words = &words_[row(u, v)];
-  const size_t first = begin / 64, last = (end - 1) / 64;
-  if (first == last) {
-    words[first] |= ones(begin % 64, end - first * 64);
-    return;
-  }
-  words[first] |= ones(begin % 64, 64);
-  std::fill(words + first + 1, words + last, ~uint64_t{0});
-  words[last] |= ones(0, end - last * 64);
+  set_bits(&words_[row(u, v)], static_cast<size_t>(from - box_.lo[2]), static_cast<size_t>(to - box_.lo[2]));
 }
 
 void Bits::set(const Box& cells) {
@@ -164,7 +147,7 @@ Bits Bits::coarser() const {
       uint64_t* const to = &out.words_[out.row(u, v)];
       for (size_t i = 0; i * 64 < n; ++i) {
         const uint64_t x = (a[i] | b[i] | c[i] | d[i]) & ones(0, std::min<uint64_t>(64, n - i * 64));
-        if (x != 0) to[i / 2] |= halved(x) << (i % 2 * 32);
+        if (x != 0) to[i / 2] |= uint64_t{pairs_of_bits(x)} << (i % 2 * 32);
       }
     }
   return out;

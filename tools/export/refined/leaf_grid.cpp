@@ -1,5 +1,6 @@
 #include "tools/export/refined/leaf_grid.hpp"
 
+#include "store/base/groups.hpp"
 #include "tools/export/refined/leaf_regions.hpp"
 
 namespace teracell::exports {
@@ -62,7 +63,7 @@ std::shared_ptr<const LeafBlock> LeafGrid::block(const Index3& at) const {
 
 void LeafGrid::keep_largest_region(const std::function<void(double share)>& progress) {
   regions_ = Regions::kSought;
-  JoinedSets sets;
+  Groups groups;
   std::vector<int64_t> cells;  // by region of a block
   using Counts = std::vector<int64_t>;
   for_each_block([&](double share) { progress(share / 2); },
@@ -78,8 +79,8 @@ void LeafGrid::keep_largest_region(const std::function<void(double share)>& prog
                  },
                  [&](const std::pair<Index3, Counts>& found) {
                    if (found.second.empty()) return;
-                   first_region_[found.first] = sets.size();
-                   for (const int64_t count : found.second) sets.add(), cells.push_back(count);
+                   first_region_[found.first] = groups.size();
+                   for (const int64_t count : found.second) groups.add(), cells.push_back(count);
                  });
   using Pairs = std::vector<std::pair<uint32_t, uint32_t>>;
   for_each_block([&](double share) { progress((1 + share) / 2); },
@@ -102,12 +103,12 @@ void LeafGrid::keep_largest_region(const std::function<void(double share)>& prog
                    return pairs;
                  },
                  [&](const Pairs& pairs) {
-                   for (const auto& [a, b] : pairs) sets.join(a, b);
+                   for (const auto& [a, b] : pairs) groups.join(a, b);
                  });
   Counts whole(cells.size());
-  for (uint32_t i = 0; i < sets.size(); ++i) whole[sets.root(i)] += cells[i];
+  for (uint32_t i = 0; i < groups.size(); ++i) whole[groups.of(i)] += cells[i];
   const auto largest = static_cast<uint32_t>(std::ranges::max_element(whole) - whole.begin());
-  for (uint32_t i = 0; i < sets.size(); ++i) kept_.push_back(sets.root(i) == largest);
+  for (uint32_t i = 0; i < groups.size(); ++i) kept_.push_back(groups.of(i) == largest);
   regions_ = Regions::kFound;
   blocks_.clear();
 }

@@ -1,10 +1,11 @@
 #include "tools/export/refined/leaf_regions.hpp"
 
+#include "store/base/groups.hpp"
+
 namespace teracell::exports {
 
 void find_regions(LeafBlock& block, const Box& box) {
-  JoinedSets sets;
-  for (uint32_t i = 0; i < block.size(); ++i) sets.add();
+  Groups groups(block.size());
   for (uint32_t i = 0; i < block.size(); ++i) {
     if (block.leaves[i].number == LeafBlock::kNotInMesh) continue;
     const Index3 first = block.first_cell(i);
@@ -16,7 +17,7 @@ void find_regions(LeafBlock& block, const Box& box) {
         if (next[axis] < box.lo[axis] || next[axis] >= box.hi[axis] || next[axis] >> LeafBlock::kBits != block.at[axis]) continue;
         // Of several finer ones this is the first; each of the others finds this one.
         const uint32_t other = block.find(next);
-        if (block.leaves[other].number != LeafBlock::kNotInMesh) sets.join(i, other);
+        if (block.leaves[other].number != LeafBlock::kNotInMesh) groups.join(i, other);
       }
   }
   block.region.assign(block.size(), 0);
@@ -24,7 +25,7 @@ void find_regions(LeafBlock& block, const Box& box) {
   uint32_t regions = 0;
   for (uint32_t i = 0; i < block.size(); ++i) {
     if (block.leaves[i].number == LeafBlock::kNotInMesh) continue;
-    const uint32_t root = sets.root(i);
+    const uint32_t root = groups.of(i);
     if (root == i) number[i] = regions++;
     block.region[i] = number[root];
   }
