@@ -53,6 +53,22 @@ int level_of(const std::string* text, const GridReader& reader) {
   return text ? static_cast<int>(integer_in(*text, "level", 0, reader.levels() - 1)) : 0;
 }
 
+std::pair<SliceView, std::string> tile_of(const GridRequest& r) {
+  const int axis = axis_of(r.rest[1]), level = level_of(&r.rest[3], r.reader());
+  const Index3 n = r.meta().grid.cells(level);
+  SliceView view = whole_slice(r.meta(), axis, integer_in(r.rest[2], "index", 0, n[axis] - 1), level);
+  auto [place, extension] = split_name(r.rest[4]);
+  const auto [col, row] = split_pair(place, "tile");
+  const int64_t u = integer_in(col, "column", 0, Axis::kMaxCells), v = integer_in(row, "row", 0, Axis::kMaxCells);
+  const auto tiles = [](int64_t cells) { return (cells + kTilePixels - 1) / kTilePixels; };
+  if (u >= tiles(view.u1) || v >= tiles(view.v1))
+    throw not_found(
+        fmt::format("there is no tile {}_{}: level {} has columns 0 to {} and rows 0 to {}", u, v, level, tiles(view.u1) - 1, tiles(view.v1) - 1));
+  view.u0 = u * kTilePixels, view.v0 = v * kTilePixels;
+  view.u1 = std::min(view.u1, view.u0 + kTilePixels), view.v1 = std::min(view.v1, view.v0 + kTilePixels);
+  return {view, std::move(extension)};
+}
+
 bool switched_on(const Target& target, const char* name) {
   const std::string* text = target.find(name);
   return text && integer_in(*text, name, 0, 1) == 1;
@@ -86,7 +102,7 @@ bool asks_for_bodies(const GridRequest& r) {
 }
 
 Response json_answer(const GridRequest& r, const char* route, std::function<std::string()> make) {
-  return r.answer({.route = route, .content_type = kJson, .compress = true, .make = std::move(make)});
+  return r.answer({.route = route, .content_type = kJsonType, .compress = true, .make = std::move(make)});
 }
 
 Response picture_answer(const GridRequest& r, const char* route, const SliceView& view) {

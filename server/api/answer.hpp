@@ -12,7 +12,7 @@
 
 namespace teracell::server {
 
-inline constexpr const char* kJson = "application/json";
+inline constexpr const char* kJsonType = "application/json";
 
 // A request below /api/v1/grids/{id}/: the grid, and the segments after the id. It is valid during the call.
 struct GridRequest {
@@ -40,6 +40,8 @@ int axis_of(const std::string& name);
 int level_of(const std::string* text, const GridReader& reader);  // 0 for null
 std::pair<std::string, std::string> split_name(const std::string& name);  // "12.png" -> "12", ".png"
 std::pair<std::string, std::string> split_pair(const std::string& text, const char* what);  // "a_b" -> "a", "b"
+// The tile at .../{axis}/{index}/{level}/{col}_{row}.png, and ".png".
+std::pair<SliceView, std::string> tile_of(const GridRequest& r);
 bool switched_on(const Target& target, const char* name);  // "?outline=1"
 const FractionReader* asks_for_shares(const Target& target, const ServedGrid& grid);  // "?shares=1"; null for 0
 bool asks_for_bodies(const GridRequest& r);                                            // "?bodies=1"

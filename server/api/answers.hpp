@@ -14,6 +14,8 @@
   answer(kFileAnswer) \
   answer(kStatsAnswer) \
   answer(kCheckAnswer) \
+  answer(kLeavesAnswer) \
+  answer(kLeavesJsonAnswer) \
   answer(kDiffAnswer) \
   answer(kViewPngAnswer) \
   answer(kViewBinAnswer) \

@@ -44,7 +44,7 @@ Response list(Service& service, const Target& target, std::span<const Protocol> 
   out.end_array().end_object();
   Response r;
   r.route = "grids";
-  r.content_type = kJson;
+  r.content_type = kJsonType;
   r.cache_control = "no-cache";
   r.body = body_of(std::move(text));
   return r;

@@ -12,7 +12,7 @@ Response answer_check(const GridRequest& r) {
   r.target.allow({});
   std::string text = r.grid->path.empty() ? "" : read_kept_findings(r.grid->path, r.grid->reader());
   if (text.empty()) throw not_found(fmt::format("nobody has looked through the cells of grid '{}' yet: `teracell check` does", r.grid->id));
-  Service::Recipe recipe{.route = "check", .content_type = kJson, .cacheable = false, .compress = true, .make = [&text] { return text; }};
+  Service::Recipe recipe{.route = "check", .content_type = kJsonType, .cacheable = false, .compress = true, .make = [&text] { return text; }};
   recipe.address = text;
   return r.answer(recipe);
 }

@@ -17,7 +17,7 @@ Response answer_column(const GridRequest& r) {
   if (const std::string* text = r.target.find("from")) from = integer_in(*text, "from", 0, n[axis] - 1);
   if (const std::string* text = r.target.find("to")) to = integer_in(*text, "to", from + 1, n[axis]);
   return r.answer(
-      {.route = "column", .content_type = kJson, .compress = true, .parts = [&] { return column_parts(r.reader(), axis, a, b, from, to); }});
+      {.route = "column", .content_type = kJsonType, .compress = true, .parts = [&] { return column_parts(r.reader(), axis, a, b, from, to); }});
 }
 
 }  // namespace

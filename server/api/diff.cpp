@@ -37,7 +37,7 @@ Response answer_diff(const GridRequest& r) {
     return difference_json(refused_in_words([&] { return count_difference(r.reader(), other->reader(), options, go_on); }));
   };
   // The address names neither version, so a client asks each time, and the ETag tells both.
-  return r.answer({.route = "diff", .content_type = kJson, .compress = true, .make = make, .address = other->hash});
+  return r.answer({.route = "diff", .content_type = kJsonType, .compress = true, .make = make, .address = other->hash});
 }
 
 }  // namespace

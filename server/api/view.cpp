@@ -108,7 +108,7 @@ Response answer_view_json(const GridRequest& r) {
   const RenderOptions options = options_of(*r.grid, r.target, {"pixel"});
   const auto [x, y] = pixel_of(r.target);
   const auto make = [&r, options, x = x, y = y] { return point_json(*r.grid, *prepared_for(r, options), options, x, y); };
-  return r.answer({.route = "view_json", .content_type = kJson, .make = make});
+  return r.answer({.route = "view_json", .content_type = kJsonType, .make = make});
 }
 
 // Of the picture or the part of it that "view.bin" is asked for, as far as the target says; the answer refuses what makes no sense.

@@ -65,6 +65,7 @@ Service::Service(ServiceOptions options, std::unique_ptr<GridList> grids)
       fractions_(std::make_shared<FractionCache>(options_.cache_bytes / 8)),
       answers_(options_.cache_bytes / 8),
       prepared_(options_.cache_bytes / 4),
+      refined_(options_.cache_bytes / 4),
       grids_(std::move(grids)) {}
 
 std::unique_ptr<const GridReader> Service::open(std::unique_ptr<ByteSource> source, uint64_t number) {

@@ -10,6 +10,7 @@
 #include "server/service/counted_source.hpp"
 #include "server/service/grid_list.hpp"
 #include "server/service/message.hpp"
+#include "server/service/refined_grids.hpp"
 #include "server/service/target.hpp"
 #include "store/base/lru_cache.hpp"
 #include "store/read/kept_chunks.hpp"
@@ -20,7 +21,7 @@ namespace teracell::server {
 struct ServiceOptions {
   std::vector<std::filesystem::path> named;  // files, folders and addresses
   size_t cache_bytes = size_t{256} << 20;    // 1/16 for index pages, the rest for decoded chunks; on top of this, answers and fractions
-                                           // take up to 1/8 each, and what pictures in three dimensions share 1/4
+                                           // take up to 1/8 each, what pictures in three dimensions share 1/4, and refined grids 1/4
   uint64_t max_pixels = uint64_t{1} << 26;  // of one picture
   size_t open_files = 256;  // descriptors of grids that are kept
   bool anybody = true;  // answers are for everybody, so proxies may keep them
@@ -79,6 +80,7 @@ class Service {
   AnswerCache& answers() { return answers_; }
   IndexCache& index() { return *index_; }
   PreparedCache& prepared() { return prepared_; }
+  RefinedGrids& refined() { return refined_; }
   // All of them, and what was read from addresses (service_of_files.cpp).
   std::vector<CacheState> caches() const;
 
@@ -95,6 +97,7 @@ class Service {
   std::shared_ptr<FractionCache> fractions_;
   AnswerCache answers_;
   PreparedCache prepared_;
+  RefinedGrids refined_;
   std::mutex complaints_mutex_;
   std::set<std::string> complaints_;
   std::unique_ptr<GridList> grids_;  // last: it complains when it looks at files, which others may make it do

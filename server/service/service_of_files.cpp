@@ -23,7 +23,8 @@ std::vector<CacheState> Service::caches() const {
                                  {"index", index_->counts()},
                                  {"answers", answers_.counts()},
                                  {"fractions", fractions_->counts()},
-                                 {"views", prepared_.counts()}};
+                                 {"views", prepared_.counts()},
+                                 {"refined", refined_.counts()}};
   if (options_.source.blocks) out.push_back({"blocks", options_.source.blocks->counts()});
   return out;
 }

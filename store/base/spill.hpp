@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "store/base/descriptor.hpp"
 
@@ -32,6 +33,7 @@ class SpillFile {
   std::string folder_;
   Descriptor file_;
   bool in_memory_ = false;
+  std::vector<uint8_t> held_;  // where there are no files at all, as in a page
 };
 
 }  // namespace teracell::store

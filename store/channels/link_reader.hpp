@@ -12,7 +12,7 @@ struct CellLink {
   Index3 cell;
   uint32_t end, begin;  // as in links.hpp
   uint32_t patch;       // kNoPatch: none is known
-  friend auto operator<=>(const CellLink&, const CellLink&) = default;
+  friend bool operator==(const CellLink&, const CellLink&) = default;
 };
 
 // Reads the links of a grid. Threads may share it. Throws IoError or FormatError, like its reader.

@@ -8,7 +8,6 @@ namespace teracell::inline store {
 namespace {
 
 constexpr int kBlockLevel = RefinedBlock::kBits;  // of a block of tier 0 as one cell
-constexpr size_t kBaseMemory = size_t{24} << 20;
 
 // Every third bit of a Morton code.
 uint32_t every_third(uint32_t code) {
@@ -125,8 +124,8 @@ class Leaves::Block {
   std::vector<std::shared_ptr<const BlockSplits>> held_;
 };
 
-Leaves::Leaves(const GridReader& reader, const Refinement& refinement, const std::filesystem::path& folder)
-    : reader_(reader), frame_(reader.meta().frame()), splits_(reader, refinement, folder), bases_(kBaseMemory) {}
+Leaves::Leaves(const GridReader& reader, const Refinement& refinement, const std::filesystem::path& folder, size_t memory)
+    : reader_(reader), frame_(reader.meta().frame()), splits_(reader, refinement, folder, memory - memory / 5), bases_(memory / 5) {}
 
 bool Leaves::is_split(int level, const Index3& cell) const {
   const int tier = (level - 1) / 2, above = level - 2 * tier;

@@ -46,8 +46,10 @@ using LeafCounts = std::map<std::pair<int, Label>, uint64_t>;
 
 class Leaves {
  public:
-  // Keeps a reference to the reader. A file without a name is made in `folder`. Throws UsageError, IoError.
-  Leaves(const GridReader& reader, const Refinement& refinement, const std::filesystem::path& folder);
+  // Keeps a reference to the reader. A file without a name is made in `folder`; `memory`: bytes, for what is kept for a while. Throws UsageError,
+  // IoError.
+  Leaves(const GridReader& reader, const Refinement& refinement, const std::filesystem::path& folder, size_t memory = kMemory);
+  static constexpr size_t kMemory = size_t{120} << 20;
 
   const GridReader& reader() const { return reader_; }
   int coarsest() const { return splits_.coarsest(); }
@@ -60,7 +62,7 @@ class Leaves {
   LeafCounts count(const Box& box, int threads, const std::function<void(double share)>& progress) const;
 
   // What for_each() goes through, for those who go through it otherwise. The subtrees that meet a box, in Morton order: those of a level, and
-  // larger leaves. REQUIRES: the level is from 3 to 7.
+  // larger leaves. REQUIRES: the level is above 2.
   class Walk {
    public:
     Walk(const Leaves& leaves, const Box& box, int level);
@@ -73,15 +75,17 @@ class Leaves {
     const int level_;
     std::vector<Subtree> waiting_;
   };
+  // Whether a cell is no leaf and no part of one. REQUIRES: the level is above 2, and at most the coarsest.
+  bool is_split(int level, const Index3& cell) const;
   // The leaf that holds a subtree's cell and more, if there is one. REQUIRES: the level is above 2.
   std::optional<Subtree> larger_leaf(const Subtree& s) const;
   // The leaves of such a subtree that have a cell in the box, in Morton order. Subtrees beside each other are made together, and kept for a while.
+  // REQUIRES: it is a leaf, or its level is at most 7.
   std::vector<LeafInSubtree> leaves_of(const Subtree& s, const Box& box) const;
 
  private:
   template <class Sink>
   class Block;
-  bool is_split(int level, const Index3& cell) const;  // of a level above 2
   std::shared_ptr<const Splits::Base> base(const Index3& block) const;
   template <class Sink>
   void visit(const Subtree& s, const Box& box, Sink&& sink) const;

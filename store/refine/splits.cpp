@@ -10,7 +10,6 @@
 namespace teracell::inline store {
 namespace {
 
-constexpr size_t kChunkMemory = size_t{64} << 20, kSplitMemory = size_t{32} << 20;
 constexpr int kManyBits = 3;  // 8 x 8 x 8 blocks are passed by at once where they hold one label
 
 Box shifted(const Box& box, int levels) {  // the cells of a finer level
@@ -27,6 +26,11 @@ Box common(const Box& a, const Box& b) {
   Box out;
   for (size_t d = 0; d < 3; ++d) out.lo[d] = std::max(a.lo[d], b.lo[d]), out.hi[d] = std::min(a.hi[d], b.hi[d]);
   return out;
+}
+bool lies_in(const Box& a, const Box& b) {
+  for (size_t d = 0; d < 3; ++d)
+    if (a.lo[d] < b.lo[d] || a.hi[d] > b.hi[d]) return false;
+  return true;
 }
 bool holds(const Box& box, const Index3& at) {
   for (size_t d = 0; d < 3; ++d)
@@ -86,15 +90,14 @@ struct Splits::Marks {
   std::vector<std::pair<int, Bits>> wanted;
 };
 
-Splits::Splits(const GridReader& reader, const Refinement& refinement, const std::filesystem::path& folder)
+Splits::Splits(const GridReader& reader, const Refinement& refinement, const std::filesystem::path& folder, size_t memory)
     : reader_(reader),
       refinement_(refinement),
       wants_(reader, refinement),
-      chunks_(kChunkMemory),
+      chunks_(memory - memory / 3),
       file_(folder, 0),
       records_(static_cast<size_t>(tiers())),
-      prepared_(static_cast<size_t>(tiers())),
-      made_(kSplitMemory) {}
+      made_(memory / 3) {}
 
 // The cells of the level above a block's own of which its splits depend. From the top: to spread by N/2 cells, the box must be so much larger; to
 // halve, twice as large; and with N odd there is one cell more on the finer level.
@@ -300,7 +303,7 @@ void Splits::prepare_base(const Box& blocks, int threads, const std::function<vo
     const double share = static_cast<double>((at[1] - groups.lo[1]) * wide + at[0] - groups.lo[0]) / static_cast<double>(wide * high);
     if (!quiet(cells, RefinedBlock::kBits + kManyBits))
       for_each_place(group, [&](const Index3& block) {
-        if (std::ranges::none_of(prepared_, [&](const Box& before) { return holds(before, block); })) waiting.push_back({{0, block}, share});
+        if (std::ranges::none_of(prepared_, [&](const auto& before) { return holds(before[0], block); })) waiting.push_back({{0, block}, share});
       });
     if (++at[2] < groups.hi[2]) return;
     at[2] = groups.lo[2];
@@ -313,7 +316,6 @@ void Splits::prepare_base(const Box& blocks, int threads, const std::function<vo
     waiting.pop_front();
     return job;
   });
-  prepared_.push_back(blocks);
 }
 
 // From the tier below: of blocks that something there reaches. What is known of it may be more than it was for an earlier box.
@@ -331,11 +333,15 @@ void Splits::prepare_above(int tier, const Box& blocks, int threads, const std::
 
 void Splits::prepare(const Box& box, int threads, const std::function<void(double share)>& progress) {
   const Box cells = common(box, by_rays(reader_.shape(0)));
-  if (cells.empty()) return;
+  if (cells.empty() || tiers() < 2) return;
+  std::vector<Box> blocks = blocks_for(cells);
+  const auto within = [](const std::vector<Box>& inner, const std::vector<Box>& outer) { return std::ranges::equal(inner, outer, lies_in); };
+  if (std::ranges::any_of(prepared_, [&](const auto& before) { return within(blocks, before); })) return;
   made_.clear();  // some may have been made of too little
-  const std::vector<Box> blocks = blocks_for(cells);
-  if (tiers() > 1) prepare_base(blocks[0], threads, progress);
+  prepare_base(blocks[0], threads, progress);
   for (int tier = 1; tier + 1 < tiers(); ++tier) prepare_above(tier, blocks[static_cast<size_t>(tier)], threads, progress);
+  std::erase_if(prepared_, [&](const auto& before) { return within(before, blocks); });
+  prepared_.push_back(std::move(blocks));
 }
 
 Splits::Base Splits::base(const Index3& block) const { return make_base(block, nullptr); }

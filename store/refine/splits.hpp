@@ -34,8 +34,8 @@ struct BlockSplits {
 // Threads may share it once it is prepared.
 class Splits {
  public:
-  // Keeps a reference to the reader. Files are made in `folder`. Throws UsageError, IoError.
-  Splits(const GridReader& reader, const Refinement& refinement, const std::filesystem::path& folder);
+  // Keeps a reference to the reader. Files are made in `folder`; `memory`: bytes, for what is kept for a while. Throws UsageError, IoError.
+  Splits(const GridReader& reader, const Refinement& refinement, const std::filesystem::path& folder, size_t memory);
 
   int coarsest() const { return refinement_.coarsest; }
   int tiers() const { return (coarsest() + 1) / 2; }
@@ -88,7 +88,7 @@ class Splits {
   SpillFile file_;
   uint64_t size_ = 0;                                                  // of the file
   std::vector<std::unordered_map<RefinedBlock, Record, KeyHash>> records_;  // by tier
-  std::vector<Box> prepared_;                                          // of blocks of tier 0
+  std::vector<std::vector<Box>> prepared_;                             // each by tier, of blocks
   mutable LruCache<RefinedBlock, BlockSplits, KeyHash> made_;
 };
 

@@ -107,6 +107,7 @@ for (const path of grids)
       const place = `${"xyz"[axis]}/${index}/${level}/${random(Math.ceil(cells[u] / 512))}_${random(Math.ceil(cells[v] / 512))}`;
       await same(files, `${api}/tile/${place}.${["png", "bin", "bin?sets=1"][i % 3]}`);
       if (mixed) await same(files, `${api}/tile/${place}.bin?sets=1&shares=1`);
+      if (i % 3 === 0) await same(files, `${api}/leaves/${place}.bin?refine=${random(6)},${1 + random(3)}`);
       const at = n.map((cells) => random(cells));
       await same(files, `${api}/cell?i=${at[0]}&j=${at[1]}&k=${at[2]}`);
       await same(files, `${api}/column/${"xyz"[axis]}/${at[u]}_${at[v]}`);
@@ -117,6 +118,7 @@ for (const path of grids)
       await same(files, `${api}/line?from=${info.grid.min.join(",")}&to=${line.join(",")}`);
     }
     await same(files, `${api}/stats`);
+    await same(files, `${api}/leaves.json?refine=5,2`);
     await same(files, `${api}/slice/z/${n[2] >> 1}.png?level=1`);
     for (const from of ["3,-4,2", "-1,0.5,0.2"]) {
       const camera = `from=${from.split(",").map((f, d) => info.grid.min[d] + f * (info.grid.max[d] - info.grid.min[d])).join(",")}&size=320,240`;
@@ -124,7 +126,7 @@ for (const path of grids)
       await same(files, `${api}/view.json?${camera}&pixel=160.5,120.5`);
       await same(files, `${api}/view.png?${camera}`);
     }
-    for (const wrong of ["/tile/z/0/0/0_0.gif", "/tile/q/0/0/0_0.png", "/cell?i=1", "/nothing", "/slice/z/99999999.png", "/column/x/1", "/stats?region=1,2"])
+    for (const wrong of ["/tile/z/0/0/0_0.gif", "/tile/q/0/0/0_0.png", "/cell?i=1", "/nothing", "/slice/z/99999999.png", "/column/x/1", "/stats?region=1,2", "/leaves.json"])
       await same(files, api + wrong);
     files.close();
   });

@@ -141,6 +141,10 @@ bool any_of(R&& r, F predicate, P projection = {}) {
   return std::any_of(std::begin(r), std::end(r), polyfill::of(predicate, projection));
 }
 template <class R, class F, class P = identity>
+bool none_of(R&& r, F predicate, P projection = {}) {
+  return std::none_of(std::begin(r), std::end(r), polyfill::of(predicate, projection));
+}
+template <class R, class F, class P = identity>
 bool all_of(R&& r, F predicate, P projection = {}) {
   return std::all_of(std::begin(r), std::end(r), polyfill::of(predicate, projection));
 }

@@ -1,8 +1,11 @@
-// What the module never does, so that the code for it need not come along: it looks for no findings, which lie beside a grid where a page
+// What the module never does, so that the code for it need not come along: it writes no files, looks for no findings, which lie beside a grid where a page
 // cannot look, it compresses no chunks and no answers, and it verifies no files.
+#include <algorithm>
+
 #include <zstd.h>
 
 #include "server/service/deflate.hpp"
+#include "store/base/spill.hpp"
 #include "store/channels/fractions.hpp"
 #include "store/channels/links.hpp"
 #include "store/check/kept.hpp"
@@ -20,6 +23,14 @@ namespace teracell::inline store {
 
 std::string read_kept_findings(const std::filesystem::path&, const GridReader&) { return ""; }
 bool has_kept_findings(const std::filesystem::path&, const GridReader&) { return false; }
+
+// A page has no files: all stays in memory.
+SpillFile::SpillFile(const std::filesystem::path&, uint64_t, bool) : in_memory_(true) {}
+void SpillFile::write(uint64_t offset, std::span<const uint8_t> bytes) {
+  held_.resize(std::max(held_.size(), static_cast<size_t>(offset) + bytes.size()));
+  std::ranges::copy(bytes, held_.begin() + static_cast<ptrdiff_t>(offset));
+}
+void SpillFile::read(uint64_t offset, std::span<uint8_t> out) const { std::copy_n(held_.begin() + static_cast<ptrdiff_t>(offset), out.size(), out.begin()); }
 
 struct ChunkEncoder::Scratch {};
 ChunkEncoder::ChunkEncoder() = default;

@@ -55,6 +55,7 @@ export function Layers({ viewer }: { viewer: Viewer }) {
           <Layer label="Scale bar" shortcut="b" shown={viewer.show_scale} />
           <Layer label="Lines between cells" shortcut="l" shown={viewer.show_lines} />
           <Layer label="Outlines of materials" shortcut="o" shown={viewer.show_outline} />
+          <Layer label="Leaves of the refined grid" shortcut="r" shown={viewer.show_leaves} />
           {viewer.has_shares && <Layer label="Mixed cells by their shares" shortcut="s" shown={viewer.show_shares} />}
         </div>
       )}

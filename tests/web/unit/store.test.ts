@@ -5,6 +5,7 @@ import { GridAddress } from "@page/base/grid";
 import { ServerError } from "@page/server/api";
 import type { Place } from "@page/tiles/place";
 import { SetTable } from "@page/tiles/sets";
+import { type Tile, decode_tile } from "@page/tiles/tile";
 import { LIMITS, TileStore } from "@page/tiles/store";
 import { TileCounters } from "@page/tiles/counters";
 
@@ -14,10 +15,17 @@ const soon = () => new Promise((done) => setTimeout(done, 0));
 // Tiles of 512 x 512 cells and two sets. They are kept as they come: 262,144 bytes and a little more.
 const body = () => new Uint8Array([2, 0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 0, ...new Uint8Array(512 * 512)]).buffer;
 
+const address = new GridAddress("g", "hash");
+const sets = new SetTable();
+const labels = {
+  address: (p: Place) => address.tile(p.axis, p.index, p.level, p.column, p.row),
+  decode: (at: Place, size: readonly [number, number], buffer: ArrayBuffer) => decode_tile(at, size, buffer, sets),
+};
+
 class Server {
   readonly open = new Map<string, { answer: (error?: unknown) => Promise<unknown>; signal: AbortSignal }>();
   readonly asked: string[] = [];
-  readonly store: TileStore;
+  readonly store: TileStore<Tile>;
   readonly counters = new TileCounters();
   constructor(limits: Partial<typeof LIMITS> = {}) {
     const fetch = (path: string, { signal }: { signal: AbortSignal }) =>
@@ -38,7 +46,7 @@ class Server {
           reject(new DOMException("given up", "AbortError"));
         });
       });
-    this.store = new TileStore(new GridAddress("g", "hash"), [100_000, 512, 10], new SetTable(), this.counters, fetch, { ...LIMITS, ...limits });
+    this.store = new TileStore(labels, [100_000, 512, 10], this.counters, fetch, { ...LIMITS, ...limits });
   }
   want(columns: readonly number[], ahead: readonly number[] = []): void {
     this.store.want([...columns.map((c) => ({ place: place(c), ahead: false })), ...ahead.map((c) => ({ place: place(c), ahead: true }))]);

@@ -152,6 +152,18 @@ export interface Difference {
   changes: Change[]; // the most cells first
 }
 
+// How a grid is refined, as `teracell export --refine M,N --want` takes it.
+export interface Refinement {
+  readonly coarsest: number;
+  readonly layers: number;
+  readonly want: string; // empty: interface=0
+}
+const query_of = ({ coarsest, layers, want }: Refinement) => `refine=${coarsest},${layers}${want ? `&want=${encodeURIComponent(want)}` : ""}`;
+export interface LeafCount {
+  total: number;
+  leaves: { level: number; material: string; leaves: number }[];
+}
+
 export interface ColumnRun {
   from: number;
   to: number;
@@ -209,6 +221,13 @@ export class GridAddress {
   // No version: the answer depends on another grid as well.
   diff(other: string): string {
     return `${this.base}/diff?with=${encodeURIComponent(other)}`;
+  }
+  // The level of the leaf at each cell of a tile of 512 x 512 cells: tiles/leaf_tile.ts.
+  leaves(refinement: Refinement, axis: AxisIndex, index: number, level: number, column: number, row: number): string {
+    return `${this.base}/leaves/${AXIS_NAMES[axis]}/${index}/${level}/${column}_${row}.bin?${query_of(refinement)}&v=${this.hash}`;
+  }
+  leaf_count(refinement: Refinement, region: readonly number[]): string {
+    return `${this.base}/leaves.json?${query_of(refinement)}&region=${region.join(",")}&v=${this.hash}`;
   }
   stats(region?: readonly number[]): string {
     return `${this.base}/stats?${region ? `region=${region.join(",")}&` : ""}v=${this.hash}`;

@@ -4,6 +4,7 @@ import type { Panel, Viewer } from "../state/viewer";
 import { IconButton } from "../widgets/icons";
 import { BodiesPanel } from "./bodies";
 import { BoxPanel } from "./box";
+import { LeavesPanel } from "./leaves";
 import { MaterialsPanel } from "./materials";
 import { ReportPanel } from "./report";
 import { care_of } from "./report_words";
@@ -22,6 +23,7 @@ const TABS: readonly Tab[] = [
   { panel: "bodies", label: "Bodies", Content: BodiesPanel, shown: (viewer) => viewer.keeps_bodies },
   { panel: "report", label: "Report", Content: ReportPanel },
   { panel: "box", label: "Box", Content: BoxPanel },
+  { panel: "leaves", label: "Leaves", Content: LeavesPanel },
   { panel: "share", label: "Share", Content: SharePanel },
   { panel: "status", label: "Status", Content: StatusPanel, shown: () => !is_alone() },
 ];

@@ -4,6 +4,7 @@
 // that they are read back unchanged.
 import { batch, effect } from "@preact/signals";
 import type { AxisIndex, Index3 } from "../base/grid";
+import { is_refinement } from "../base/refinement";
 import { hex_color, rgb_of_color, same_look } from "../base/materials";
 import { say } from "../base/messages";
 import { numbers_in, ranges } from "../base/ranges";
@@ -23,8 +24,8 @@ const numbers = (text: string | null, count: number): number[] | null => {
 };
 
 const LAYOUTS: readonly Layout[] = ["four", "x", "y", "z", "3d"];
-const PANELS: readonly Panel[] = ["materials", "bodies", "report", "box", "share", "status"];
-const SWITCHES = { axes: "show_axes", scale: "show_scale", lines: "show_lines", outline: "show_outline", shares: "show_shares" } as const;
+const PANELS: readonly Panel[] = ["materials", "bodies", "report", "box", "leaves", "share", "status"];
+const SWITCHES = { axes: "show_axes", scale: "show_scale", lines: "show_lines", outline: "show_outline", shares: "show_shares", leaves: "show_leaves" } as const;
 
 const parsed_color = (text: string | undefined) => (/^[0-9a-f]{6}$/.test(text ?? "") ? rgb_of_color(`#${text}`) : null);
 
@@ -98,6 +99,8 @@ export function read_address(viewer: Viewer): void {
       const value = query.get(key);
       if (value === "0" || value === "1") viewer[name].value = value === "1";
     }
+    const refine = numbers(query.get("refine"), 2);
+    if (refine && is_refinement(refine[0]!, refine[1]!)) viewer.refinement.value = { coarsest: refine[0]!, layers: refine[1]!, want: query.get("want") ?? "" };
     const box = numbers(query.get("box"), 6);
     if (box?.every(Number.isInteger)) {
       const outside = outside_box(viewer.axes, box);
@@ -150,6 +153,9 @@ export function address_of(viewer: Viewer): string {
   if (viewer.panel.value !== "materials") start.set("panel", viewer.panel.value ?? "none");
   const standard = viewer.standard_switches;
   for (const [key, name] of Object.entries(SWITCHES)) if (viewer[name].value !== standard[name]) start.set(key, viewer[name].value ? "1" : "0");
+  const { coarsest, layers, want } = viewer.refinement.value;
+  if (viewer.refinement.value !== viewer.standard_refinement) start.set("refine", `${coarsest},${layers}`);
+  if (want) start.set("want", want);
   if (viewer.box.value) start.set("box", viewer.box.value.join(","));
   if (viewer.pinned.value) start.set("pin", viewer.pinned.value.join(","));
   if (viewer.markers.value.length) start.set("marks", "1");

@@ -3,14 +3,14 @@
 import { type ReadonlySignal, type Signal, batch, computed, signal } from "@preact/signals";
 import { type Axis, axes_of } from "../base/axis";
 import { unit_name } from "../base/format";
-import { type AxisIndex, GridAddress, type GridInfo, type Index3, type Label, type Plane, for_axes } from "../base/grid";
+import { type AxisIndex, GridAddress, type GridInfo, type Index3, type Label, type Plane, type Refinement, for_axes } from "../base/grid";
 import { type LabelLook, type MaterialLook, initial_looks, looks_of_labels } from "../base/materials";
 import { TileCounters } from "../tiles/counters";
 import { type Range, type ViewSize, fitting_zoom } from "./zoom";
 
 export type ViewName = "x" | "y" | "z" | "3d";
 export type Layout = "four" | ViewName;
-export type Panel = "materials" | "bodies" | "report" | "box" | "share" | "status";
+export type Panel = "materials" | "bodies" | "report" | "box" | "leaves" | "share" | "status";
 export type Box = [number, number, number, number, number, number]; // cells of level 0, half open: x0, y0, z0, x1, y1, z1
 
 // Where the overview's camera is. Angles are in degrees. The distance to the target is counted in halves of the
@@ -98,6 +98,8 @@ export class Viewer {
   readonly show_lines = signal(true); // between cells, when they are large enough
   readonly show_outline = signal(false); // between materials
   readonly show_shares = signal(false); // mixed cells as blends of what they are made of
+  readonly show_leaves = signal(false); // lines between the leaves of the refined grid
+  readonly refinement: Signal<Refinement>;
   readonly sweeping = signal<AxisIndex | null>(null); // the view whose slices are played
   readonly box = signal<Box | null>(null);
   readonly measure = signal<Measure | null>(null);
@@ -125,7 +127,8 @@ export class Viewer {
 
   // The state at the start. The page's address holds only what differs from it.
   readonly standard_looks: readonly MaterialLook[];
-  readonly standard_switches = { show_axes: true, show_scale: true, show_lines: true, show_outline: false, show_shares: false } as const;
+  readonly standard_switches = { show_axes: true, show_scale: true, show_lines: true, show_outline: false, show_shares: false, show_leaves: false } as const;
+  readonly standard_refinement: Refinement;
 
   readonly units: string; // as people write them
   readonly cells: Index3;
@@ -149,6 +152,9 @@ export class Viewer {
     this.standard_looks = initial_looks(info.materials);
     this.looks = signal(this.standard_looks);
     this.label_looks = computed(() => looks_of_labels(this.labels, this.looks.value, this.body_looks.value));
+    // Some 16 of the coarsest cells along the longest axis.
+    this.standard_refinement = { coarsest: Math.min(Math.max(Math.floor(Math.log2(Math.max(...this.cells) / 16)), 1), 8), layers: 2, want: "" };
+    this.refinement = signal(this.standard_refinement);
     this.slice = for_axes((d) => computed(() => this.cell.value[d]));
     Object.assign(this, shared);
   }
@@ -202,7 +208,9 @@ export class Viewer {
       this.panel.value = "materials";
       this.looks.value = this.standard_looks;
       this.body_looks.value = new Map();
-      for (const name of ["show_axes", "show_scale", "show_lines", "show_outline", "show_shares"] as const) this[name].value = this.standard_switches[name];
+      for (const name of ["show_axes", "show_scale", "show_lines", "show_outline", "show_shares", "show_leaves"] as const)
+        this[name].value = this.standard_switches[name];
+      this.refinement.value = this.standard_refinement;
       this.box.value = null;
       this.measure.value = null;
       this.pinned.value = null;

@@ -10,18 +10,18 @@ import type { Index3 } from "../base/grid";
 import { type Extent, type Place, coarser, extent_of, in_slice } from "./place";
 import type { Tile } from "./tile";
 
-export interface Region extends Extent {
-  readonly tile: Tile | null;
+export interface Region<T = Tile> extends Extent {
+  readonly tile: T | null;
   readonly damaged: boolean;
 }
 
-export interface Held {
-  find(place: Place): Tile | null;
+export interface Holder<T = Tile> {
+  find(place: Place): T | null;
   is_damaged(place: Place): boolean;
 }
 
-export interface Shown {
-  readonly regions: Region[];
+export interface Shown<T = Tile> {
+  readonly regions: Region<T>[];
   readonly missing: Place[]; // wanted and not there
   readonly blank: Place[]; // those of them for which no tile of this slice stands in, or only a very coarse one
   readonly stale: boolean; // whether some of it shows another slice
@@ -36,14 +36,21 @@ const NEAR = 2; // levels: a tile that is coarser by at most this many looks lik
 const DEEP = 2; // levels: finer tiles are looked for this deep
 
 // REQUIRES: places of one slice (a cell of level 0), as cover() gives them.
-export function regions_of(places: readonly Place[], slice: number, levels: number, cells: Index3, held: Held, before: Before): Shown {
-  const regions: Region[] = [];
+export function regions_of<T = Tile>(
+  places: readonly Place[],
+  slice: number,
+  levels: number,
+  cells: Index3,
+  held: Holder<T>,
+  before: Before,
+): Shown<T> {
+  const regions: Region<T>[] = [];
   const missing: Place[] = [];
   const blank = new Set<Place>();
   let stale = false;
-  const add = (place: Place, tile: Tile | null, damaged = false) => regions.push({ ...extent_of(place, cells), tile, damaged });
+  const add = (place: Place, tile: T | null, damaged = false) => regions.push({ ...extent_of(place, cells), tile, damaged });
 
-  const coarse = (place: Place, from: number, to: number): Tile | null => {
+  const coarse = (place: Place, from: number, to: number): T | null => {
     for (let by = from; by <= to && place.level + by < levels; ++by) {
       const tile = held.find(coarser(place, by));
       if (tile) return tile;

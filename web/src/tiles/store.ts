@@ -9,12 +9,22 @@
 // of them to the rest of the page. A request that nobody wants goes on while there is room: closing its connection
 // would cost a new one, and the tile may be wanted again.
 import { batch } from "@preact/signals";
-import type { GridAddress, Index3 } from "../base/grid";
+import type { Index3 } from "../base/grid";
 import { ServerError } from "../server/api";
 import type { TileCounters } from "./counters";
 import { type Place, place_name, tile_size } from "./place";
-import type { SetTable } from "./sets";
-import { type Tile, decode_tile } from "./tile";
+
+// What a store holds: labels (tile.ts) or leaves (leaf_tile.ts).
+export interface Held {
+  readonly place: Place;
+  readonly name: string;
+  readonly bytes: number; // that it takes in memory
+}
+
+export interface Source<T extends Held> {
+  address(place: Place): string;
+  decode(place: Place, size: readonly [number, number], buffer: ArrayBuffer): T; // throws Error for bytes that are no such tile
+}
 
 export interface Want {
   readonly place: Place;
@@ -36,28 +46,26 @@ interface Failure {
 
 export const LIMITS = { bytes: 96 * 2 ** 20, requests: 6, ahead: 4, retry_ms: 1000, retry_most_ms: 30_000, latencies: 64 };
 
-export class TileStore {
+export class TileStore<T extends Held> {
   // Called when a tile came or failed.
   on_change: () => void = () => {};
-  private readonly tiles = new Map<string, Tile>(); // least recently used first
+  private readonly tiles = new Map<string, T>(); // least recently used first
   private readonly flights = new Map<string, Flight>();
   private readonly failures = new Map<string, Failure>();
   private wants: readonly Want[] = [];
   private bytes = 0;
   private timer: ReturnType<typeof setTimeout> | undefined;
   private closed = false;
-  private shares = false;
 
   constructor(
-    private readonly address: GridAddress,
+    private readonly source: Source<T>,
     private readonly cells: Index3,
-    private readonly sets: SetTable,
     private readonly counters: TileCounters,
     private readonly fetch_tile: Fetch,
     private readonly limits: typeof LIMITS = LIMITS,
   ) {}
 
-  find(place: Place): Tile | null {
+  find(place: Place): T | null {
     const name = place_name(place);
     const tile = this.tiles.get(name);
     if (!tile) return null;
@@ -84,13 +92,12 @@ export class TileStore {
     this.on_change();
   }
 
-  // Whether mixed cells come with their shares. Those of level 0 are asked for anew when this changes.
-  show_shares(shares: boolean): void {
-    if (shares === this.shares) return;
-    this.shares = shares;
+  // The source answers otherwise from now on: asks anew for the tiles that this changes.
+  renew(changed: (place: Place) => boolean): void {
     this.abandon();
+    this.failures.clear();
     for (const [name, tile] of this.tiles) {
-      if (tile.place.level > 0) continue;
+      if (!changed(tile.place)) continue;
       this.tiles.delete(name);
       this.bytes -= tile.bytes;
     }
@@ -153,12 +160,11 @@ export class TileStore {
   private async fetch_one(place: Place, name: string, flight: Flight): Promise<void> {
     this.flights.set(name, flight);
     const began = performance.now();
-    const path = this.address.tile(place.axis, place.index, place.level, place.column, place.row, this.shares);
     try {
-      const response = await this.fetch_tile(path, { signal: flight.abort.signal, priority: flight.ahead ? "low" : "high" });
+      const response = await this.fetch_tile(this.source.address(place), { signal: flight.abort.signal, priority: flight.ahead ? "low" : "high" });
       const buffer = await response.arrayBuffer();
       if (this.closed || flight.abort.signal.aborted) return;
-      this.keep(decode_tile(place, tile_size(place, this.cells), buffer, this.sets));
+      this.keep(this.source.decode(place, tile_size(place, this.cells), buffer));
       this.failures.delete(name);
       this.counters.latencies.value = [...this.counters.latencies.value.slice(1 - this.limits.latencies), performance.now() - began];
     } catch (error) {
@@ -171,7 +177,7 @@ export class TileStore {
     this.on_change();
   }
 
-  private keep(tile: Tile): void {
+  private keep(tile: T): void {
     this.bytes += tile.bytes - (this.tiles.get(tile.name)?.bytes ?? 0);
     this.tiles.delete(tile.name);
     this.tiles.set(tile.name, tile);

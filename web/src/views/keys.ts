@@ -77,6 +77,7 @@ function actions_of(stage: Stage): Record<string, () => void> {
     l: () => flip(viewer.show_lines),
     o: () => flip(viewer.show_outline),
     s: () => viewer.has_shares && flip(viewer.show_shares),
+    r: () => flip(viewer.show_leaves),
     p: () => toggle_sweep(viewer, stage.active),
     c: () => viewer.go_to_cell(viewer.cell.value),
     m: () => choose_tool(viewer, "measure"),

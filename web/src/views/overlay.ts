@@ -9,7 +9,7 @@ import type { Scene, View } from "./view";
 // Everything that an overlay depends on. It is compared by identity.
 function inputs_of({ viewer, ink, ratio }: Scene, view: View, draft: Box | null): unknown[] {
   const v = viewer;
-  const signals = [v.cell, v.show_axes, v.show_scale, v.show_lines, v.box, v.measure, v.markers, v.pinned, v.cut];
+  const signals = [v.cell, v.show_axes, v.show_scale, v.show_lines, v.show_leaves, v.box, v.measure, v.markers, v.pinned, v.cut];
   return [view.camera, view.level, ink, ratio, draft, ...signals.map((signal) => signal.value)];
 }
 
@@ -38,7 +38,7 @@ export function draw_overlay(scene: Scene, view: View, draft: Box | null): boole
 // Draws in CSS pixels, whatever the context's scale is: saved pictures are finer than the screen.
 export function draw_marks(pen: Pen, level: number, draft: Box | null = null): void {
   const { viewer } = pen;
-  if (viewer.show_lines.value) draw_cell_lines(pen);
+  if (viewer.show_lines.value && !viewer.show_leaves.value) draw_cell_lines(pen);
   draw_border(pen);
   draw_box(pen, draft ?? viewer.box.value);
   if (viewer.show_axes.value) {

@@ -1,7 +1,7 @@
 // The three slice views together. A frame is drawn only when something has changed. It finds out what each view shows
 // and what it lacks, tells the store which tiles are wanted, paints, and sets the signals that follow from it: the
 // level shown and the cell under the pointer.
-import { type Signal, effect, signal } from "@preact/signals";
+import { type ReadonlySignal, type Signal, effect, signal } from "@preact/signals";
 import { FRAMES } from "../base/axis";
 import { AXIS_NAMES, type AxisIndex } from "../base/grid";
 import { get } from "../server/api";
@@ -10,7 +10,10 @@ import { on_theme } from "../state/theme";
 import type { Box, ViewName, Viewer } from "../state/viewer";
 import { clamped_zoom, fitting_zoom } from "../state/zoom";
 import { Palette, SetTable } from "../tiles/sets";
-import { TileStore } from "../tiles/store";
+import { type LeafTile, decode_leaf_tile } from "../tiles/leaf_tile";
+import { TileCounters } from "../tiles/counters";
+import { LIMITS, TileStore } from "../tiles/store";
+import { type Tile, decode_tile } from "../tiles/tile";
 import { wants_of } from "../tiles/wants";
 import { zoomed_about } from "./drawing/camera";
 import { type Ink, read_ink } from "./drawing/ink";
@@ -20,16 +23,28 @@ import { type Scene, View } from "./view";
 const stages = new WeakMap<Viewer, Stage>();
 export const stage_of = (viewer: Viewer): Stage | undefined => stages.get(viewer);
 
+// Does something each time when a signal has changed.
+function after(changing: ReadonlySignal<unknown>, act: () => void): () => void {
+  let first = true;
+  return effect(() => {
+    changing.value;
+    if (!first) act();
+    first = false;
+  });
+}
+
 const SLOW = 24; // milliseconds: if painting takes longer on average, fine screens get one pixel per CSS pixel
 const FINEST = 2; // device pixels per CSS pixel
 const REST = 500; // milliseconds without a change, after which all device pixels are used again
 const KEPT_TIMES = 4096;
+const FOR_LEAVES = { ...LIMITS, bytes: 16 * 2 ** 20, requests: 2 };
 const LONGEST_WAIT = 2000; // milliseconds after which other requests wait no longer for slices
 
 export class Stage {
   readonly views: readonly [View, View, View] = [new View(0), new View(1), new View(2)];
   readonly sets = new SetTable();
-  readonly store: TileStore;
+  readonly store: TileStore<Tile>;
+  readonly leaves: TileStore<LeafTile>;
   // Called at the end of each frame that was drawn.
   on_draw: () => void = () => {};
   // From the start of a frame that changed pixels to the start of the next, in milliseconds.
@@ -61,8 +76,25 @@ export class Stage {
   private readonly stops: (() => void)[] = [];
 
   constructor(readonly viewer: Viewer) {
-    this.store = new TileStore(viewer.address, viewer.cells, this.sets, viewer.tiles, get);
-    this.store.on_change = () => this.invalidate();
+    const { address, cells } = viewer;
+    const shares = () => viewer.show_shares.peek() && viewer.has_shares;
+    this.store = new TileStore(
+      {
+        address: (p) => address.tile(p.axis, p.index, p.level, p.column, p.row, shares()),
+        decode: (place, size, buffer) => decode_tile(place, size, buffer, this.sets),
+      },
+      cells,
+      viewer.tiles,
+      get,
+    );
+    this.leaves = new TileStore(
+      { address: (p) => address.leaves(viewer.refinement.peek(), p.axis, p.index, p.level, p.column, p.row), decode: decode_leaf_tile },
+      cells,
+      new TileCounters(),
+      get,
+      FOR_LEAVES,
+    );
+    for (const store of [this.store, this.leaves]) store.on_change = () => this.invalidate();
   }
 
   // Starts to draw, with the colours that the style sheet gives to `host`. Returns a function that ends it.
@@ -74,17 +106,20 @@ export class Stage {
     this.stops.push(
       effect(() => {
         for (const s of [
-          v.slices_shown, v.cell, v.centre, v.zoom, v.layout, v.label_looks, v.show_axes, v.show_scale, v.show_lines, v.show_outline, v.show_shares, v.cut, v.box, v.measure, v.pinned,
+          v.slices_shown, v.cell, v.centre, v.zoom, v.layout, v.label_looks, v.show_axes, v.show_scale, v.show_lines, v.show_outline, v.show_shares, v.show_leaves, v.cut, v.box, v.measure, v.pinned,
           v.markers, this.draft,
         ])
           s.value;
         this.invalidate();
       }),
       () => clearTimeout(timer),
-      effect(() => this.store.show_shares(v.show_shares.value && v.has_shares)),
+      after(v.show_shares, () => this.store.renew(({ level }) => level === 0)),
+      after(v.refinement, () => this.leaves.renew(() => true)),
       // Keys act on a view that is shown alone, even before the pointer is over it.
       effect(() => void (v.layout.value !== "four" && this.activate(v.layout.value))),
-      effect(() => void (returned.value > 0 && this.store.retry())),
+      effect(() => {
+        if (returned.value > 0) for (const store of [this.store, this.leaves]) store.retry();
+      }),
       on_theme(() => {
         this.ink = null;
         this.invalidate();
@@ -188,8 +223,8 @@ export class Stage {
   // What views and overlays are drawn with, on the screen and in saved pictures.
   scene(ratio: number): Scene | null {
     if (!this.host) return null;
-    const { viewer, store, palette } = this;
-    return { viewer, store, palette, ink: (this.ink ??= read_ink(this.host)), ratio };
+    const { viewer, store, leaves, palette } = this;
+    return { viewer, store, leaves, palette, ink: (this.ink ??= read_ink(this.host)), ratio };
   }
 
   private readonly frame = (start: number): void => {
@@ -220,6 +255,12 @@ export class Stage {
     for (const view of views) view.look(scene, began);
     const wants = wants_of(views.map((view) => view.needs(viewer, view.axis === this.active)), viewer.info.levels.length, viewer.cells);
     store.want(viewer.slices_shown.peek() ? wants : wants.filter(({ ahead }) => !ahead));
+    this.leaves.want(
+      [...views]
+        .sort((a, b) => Number(b.axis === this.active) - Number(a.axis === this.active))
+        .flatMap((view) => view.leaves?.missing ?? [])
+        .map((place) => ({ place, ahead: false })),
+    );
     palette.update(viewer.label_looks.value, scene.ink.ground, scene.ink.outside);
     let painted = false;
     for (const view of views) {
@@ -290,5 +331,6 @@ export class Stage {
     this.host = null;
     this.viewer.hover.value = null;
     this.store.close();
+    this.leaves.close();
   }
 }

@@ -6,12 +6,14 @@ import type { Viewer } from "../state/viewer";
 import { cover } from "../tiles/cover";
 import type { Extent, Place } from "../tiles/place";
 import { type Region, type Shown, regions_of } from "../tiles/regions";
+import type { LeafTile } from "../tiles/leaf_tile";
 import { type Palette, UNKNOWN } from "../tiles/sets";
 import type { TileStore } from "../tiles/store";
-import { set_at } from "../tiles/tile";
+import { type Tile, set_at } from "../tiles/tile";
 import type { ViewNeeds } from "../tiles/wants";
 import { Camera, type SampleCells, sample_cells } from "./drawing/camera";
 import type { Ink } from "./drawing/ink";
+import { paint_leaves } from "./drawing/leaf_lines";
 import { number_at, paint, paint_damaged, paint_outline } from "./drawing/paint";
 
 // Milliseconds for which an earlier slice may stay although a coarse tile of the right slice is there.
@@ -20,7 +22,8 @@ const SHARP_FROM = 3; // device pixels: cells this large have sharp edges
 
 export interface Scene {
   readonly viewer: Viewer;
-  readonly store: TileStore;
+  readonly store: TileStore<Tile>;
+  readonly leaves: TileStore<LeafTile>;
   readonly palette: Palette;
   readonly ink: Ink;
   readonly ratio: number; // device pixels per CSS pixel
@@ -35,6 +38,7 @@ export class View {
   samples: SampleCells | null = null;
   places: readonly Place[] = [];
   shown: Shown = { regions: [], missing: [], blank: [], stale: false };
+  leaves: Shown<LeafTile> | null = null; // where they are to be drawn
   stride = 0;
   // Where the pointer is, in CSS pixels.
   pointer: { x: number; y: number } | null = null;
@@ -60,7 +64,7 @@ export class View {
 
   // Whether everything in sight is of the finest level and the right slice.
   get sharp(): boolean {
-    return !this.visible || (this.camera !== null && this.shown.missing.length === 0);
+    return !this.visible || (this.camera !== null && this.shown.missing.length === 0 && !this.leaves?.missing.length);
   }
 
   // The camera as the signals say now. The screen follows with the next frame.
@@ -80,7 +84,7 @@ export class View {
   }
 
   // The first half of a frame: finds out which tiles are wanted. `now` is in milliseconds.
-  look({ viewer, store, ratio }: Scene, now: number): void {
+  look({ viewer, store, leaves, ratio }: Scene, now: number): void {
     const slice = viewer.slice[this.axis].value;
     if (this.last_slice !== null && slice !== this.last_slice) this.stride = slice - this.last_slice;
     this.last_slice = slice;
@@ -96,6 +100,7 @@ export class View {
     this.places = cover({ axis: this.axis, slice, axes: viewer.axes, levels, scale: zoom * ratio, seen: this.camera.seen() });
     const patient = this.behind_since === null || now - this.behind_since < PATIENCE;
     this.shown = regions_of(this.places, slice, levels, viewer.cells, store, { slice: this.shown_slice, patient });
+    this.leaves = viewer.show_leaves.value ? regions_of(this.places, slice, levels, viewer.cells, leaves, { slice: null, patient: false }) : null;
     if (this.shown.stale) this.behind_since ??= now;
     else {
       this.behind_since = null;
@@ -117,7 +122,7 @@ export class View {
     const samples = this.samples!;
     const [width, height] = [samples.columns.length / samples.each, samples.rows.length / samples.each];
     const outline = viewer.show_outline.value;
-    const key = `${this.camera_key} ${palette.version} ${outline} ${viewer.show_shares.value} ${this.shown.regions.map(region_key).join(" ")}`;
+    const key = `${this.camera_key} ${palette.version} ${outline} ${viewer.show_shares.value} ${this.shown.regions.map(region_key).join(" ")} ${this.leaf_key(viewer)}`;
     if (key === this.picture_key) return false;
     if (this.cells.hidden && this.shown.regions.every(({ tile, damaged }) => !tile && !damaged)) return false;
     this.cells.hidden = false;
@@ -131,11 +136,16 @@ export class View {
     const { regions } = this.shown;
     paint(out, samples, regions, palette.colors);
     if (outline) paint_outline(out, samples, regions, ink.outline);
+    if (this.leaves) paint_leaves(out, samples, this.leaves.regions);
     paint_damaged(out, samples, regions, ...ink.stripes);
     this.context.putImageData(this.picture, 0, 0);
     this.painted = regions;
     this.painted_samples = samples;
     return true;
+  }
+
+  private leaf_key({ refinement }: Viewer): string {
+    return this.leaves ? `${Object.values(refinement.value).join(" ")} ${this.leaves.regions.map(region_key).join(" ")}` : "";
   }
 
   // What a frame needs from the server.
@@ -157,7 +167,7 @@ export class View {
   }
 
   // The number of the set at a cell of the slice, from the finest tile that is there; null when there is none.
-  finest_at(store: TileStore, slice: number, u: number, v: number, levels: number): number | null {
+  finest_at(store: TileStore<Tile>, slice: number, u: number, v: number, levels: number): number | null {
     for (let level = 0; level < levels; ++level) {
       const tile = store.find({ axis: this.axis, index: slice >> level, level, column: (u >> level) >> 9, row: (v >> level) >> 9 });
       if (tile) return set_at(tile, u, v);
@@ -176,4 +186,4 @@ function smallest_cell({ across, up, zoom, ratio }: Camera): number {
 }
 
 const extent_key = (e: Extent) => `${e.u0},${e.v0},${e.u1},${e.v1}`;
-const region_key = (region: Region) => `${region.tile?.name ?? (region.damaged ? "!" : "?")}@${extent_key(region)}`;
+const region_key = (region: Region<{ name: string }>) => `${region.tile?.name ?? (region.damaged ? "!" : "?")}@${extent_key(region)}`;

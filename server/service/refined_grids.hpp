@@ -1,0 +1,38 @@
+// Grids that are refined in some way, made ready for the places that were asked for and kept for the next ones.
+#pragma once
+#include <shared_mutex>
+
+#include "server/service/grid_list.hpp"
+#include "store/base/lru_cache.hpp"
+#include "store/base/wanted.hpp"
+#include "store/refine/leaves.hpp"
+
+namespace teracell::server {
+
+// Threads share it.
+class RefinedGrid {
+ public:
+  // What does not fit into `memory` bytes goes to a temporary file. Throws UsageError, IoError.
+  RefinedGrid(std::shared_ptr<const ServedGrid> grid, const Refinement& refinement, size_t memory)
+      : grid_(std::move(grid)), leaves_(grid_->reader(), refinement, std::filesystem::temp_directory_path(), memory) {}
+
+  // f(leaves), which are prepared for a box of level-0 cells.
+  template <class F>
+  auto with(const Box& box, F&& f) const {
+    {
+      std::unique_lock lock(mutex_);
+      leaves_.prepare(box, 1, [](double) { Wanted::stop_if_not(); });
+    }
+    std::shared_lock lock(mutex_);
+    return f(std::as_const(leaves_));
+  }
+
+ private:
+  const std::shared_ptr<const ServedGrid> grid_;  // before what refers to it
+  mutable std::shared_mutex mutex_;  // others read while nothing is prepared
+  mutable Leaves leaves_;
+};
+
+using RefinedGrids = LruCache<std::string, RefinedGrid>;  // the key: ServedGrid::number, and how it is refined as the client wrote it
+
+}  // namespace teracell::server
