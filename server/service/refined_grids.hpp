@@ -14,7 +14,7 @@ class RefinedGrid {
  public:
   // What does not fit into `memory` bytes goes to a temporary file. Throws UsageError, IoError.
   RefinedGrid(std::shared_ptr<const ServedGrid> grid, const Refinement& refinement, size_t memory)
-      : grid_(std::move(grid)), leaves_(grid_->reader(), refinement, std::filesystem::temp_directory_path(), memory) {}
+      : grid_(std::move(grid)), leaves_(grid_->reader(), refinement, temporary_folder(), memory) {}
 
   // f(leaves), which are prepared for a box of level-0 cells.
   template <class F>
@@ -28,6 +28,11 @@ class RefinedGrid {
   }
 
  private:
+  static std::filesystem::path temporary_folder() {
+    std::error_code none;  // then opening a file says so
+    return std::filesystem::temp_directory_path(none);
+  }
+
   const std::shared_ptr<const ServedGrid> grid_;  // before what refers to it
   mutable std::shared_mutex mutex_;  // others read while nothing is prepared
   mutable Leaves leaves_;

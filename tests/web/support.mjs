@@ -1,7 +1,7 @@
 // What the tests in a browser share: servers, pages, and what `teracell` itself says about the same grids.
 import assert from "node:assert/strict";
 import { execFileSync, spawn } from "node:child_process";
-import { createWriteStream } from "node:fs";
+import { createWriteStream, readFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { basename, join } from "node:path";
 import { inflateSync } from "node:zlib";
@@ -200,6 +200,22 @@ export function slice_of(name, axis, index) {
   return read_npy(path);
 }
 
+// The leaves that a slice meets, by `teracell export`: { level, cell } each.
+export function leaves_of_slice(name, axis, index, refine, want) {
+  const [lo, hi] = [[0, 0, 0], [...info_of(name).grid.cells]];
+  [lo["xyz".indexOf(axis)], hi["xyz".indexOf(axis)]] = [index, index + 1];
+  const path = join(folder, `${basename(name)}-leaves.npy`);
+  const region = ["--region", [...lo, ...hi].join(",")];
+  execFileSync(program, ["export", grid_file(name), "--format", "leaves", "--refine", refine, "--want", want, ...region, "-o", path], { stdio: "ignore" });
+  const file = readFileSync(path);
+  const records = file.subarray(10 + file.readUInt16LE(8));
+  return Array.from({ length: records.length / 32 }, (_, n) => ({
+    level: records.readInt32LE(32 * n),
+    cell: [4, 12, 20].map((at) => Number(records.readBigInt64LE(32 * n + at))),
+  }));
+}
+export const leaf_count_of = (name, refine, want) => told("export", grid_file(name), "--refine", refine, "--want", want, "--count");
+
 // The material of one cell, by `teracell export`.
 export function exported_cell(name, [i, j, k]) {
   const path = join(folder, "cell.npy");
@@ -207,12 +223,10 @@ export function exported_cell(name, [i, j, k]) {
   return read_npy(path).data[0];
 }
 
-// The material that each pixel of a view must show, according to the cells and to where the page says that it looks; -1 outside the grid.
-export function expected_labels(name, axis, { cell, centre, zoom }, width, height) {
+// The cell that each column and each row of pixels of a view must show, according to where the page says that it looks; -1 outside the grid.
+export function cells_of_pixels(name, axis, { centre, zoom }, width, height) {
   const info = info_of(name);
-  const w = "xyz".indexOf(axis);
-  const [u, v] = [[1, 2], [0, 2], [0, 1]][w];
-  const { shape, data } = slice_of(name, axis, cell[w]);
+  const [u, v] = [[1, 2], [0, 2], [0, 1]]["xyz".indexOf(axis)];
   const plane = (d, i) => {
     const a = info.grid.axes[d];
     return a.type === "graded" ? a.planes[i] : a.min + (a.first + i) * a.step;
@@ -231,8 +245,16 @@ export function expected_labels(name, axis, { cell, centre, zoom }, width, heigh
       return low;
     });
   };
-  const columns = cells_along(u, width, (x) => centre[u] + (x - width / 2) / zoom);
-  const rows = cells_along(v, height, (y) => centre[v] - (y - height / 2) / zoom);
+  return {
+    columns: cells_along(u, width, (x) => centre[u] + (x - width / 2) / zoom),
+    rows: cells_along(v, height, (y) => centre[v] - (y - height / 2) / zoom),
+  };
+}
+
+// The material that each pixel of a view must show; -1 outside the grid.
+export function expected_labels(name, axis, looks, width, height) {
+  const { columns, rows } = cells_of_pixels(name, axis, looks, width, height);
+  const { shape, data } = slice_of(name, axis, looks.cell["xyz".indexOf(axis)]);
   return Int32Array.from({ length: width * height }, (_, i) => {
     const [a, b] = [columns[i % width], rows[Math.floor(i / width)]];
     return a < 0 || b < 0 ? -1 : data[b * shape[1] + a];

@@ -280,7 +280,7 @@ TEST_CASE("The pages of all grids share the cache", "[server]") {
   CHECK(index.bytes > index.limit / 2);
   std::set<std::string> named;
   for (const CacheState& cache : s.service->caches()) named.insert(cache.name);
-  CHECK(named == std::set<std::string>{"chunks", "index", "answers", "fractions", "views"});  // and "blocks", where serve has addresses
+  CHECK(named == std::set<std::string>{"chunks", "index", "answers", "fractions", "views", "refined"});  // and "blocks", where serve has addresses
   CHECK(index.bytes <= index.limit);
 }
 

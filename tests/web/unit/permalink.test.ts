@@ -66,6 +66,8 @@ function changed(): Viewer {
   v.panel.value = null;
   v.show_axes.value = false;
   v.show_outline.value = true;
+  v.show_leaves.value = true;
+  v.refinement.value = { coarsest: 5, layers: 3, want: "inside:steel=1,box:0,0,0,1,1,1=0" };
   v.box.value = [1, 2, 3, 4, 5, 6];
   v.pinned.value = [9, 8, 6];
   v.measure.value = { axis: 1, from: [0.1, 0.2, 0.3], to: [1, 2, 3] };
@@ -81,7 +83,7 @@ test("a changed state is read back completely, to the last bit of its numbers", 
   const before = changed();
   const after = read(address_of(before));
   for (const name of [
-    "cell", "centre", "zoom", "layout", "panel", "show_axes", "show_scale", "show_lines", "show_outline", "box", "pinned", "measure", "markers",
+    "cell", "centre", "zoom", "layout", "panel", "show_axes", "show_scale", "show_lines", "show_outline", "show_leaves", "refinement", "box", "pinned", "measure", "markers",
     "looks",
   ] as const)
     assert.deepEqual(after[name].value, before[name].value, name);
@@ -106,6 +108,9 @@ test("nonsense is ignored, piece by piece", () => {
     "#layout=five",
     "#panel=nothing",
     "#axes=2",
+    "#refine=17,2",
+    "#refine=3,0",
+    "#refine=3",
     "#box=1",
     "#box=0,0,0,100,20,8",
     "#box=5,0,0,5,20,7",

@@ -193,7 +193,9 @@ export class TileStore<T extends Held> {
     // Bytes that do not form a tile mean damage, just like an answer that says so. A connection that ends too early
     // (TypeError) does not.
     const damaged = error instanceof ServerError ? error.status === 500 : !(error instanceof TypeError);
-    const wait = damaged ? this.limits.retry_most_ms : Math.min(this.limits.retry_ms * 2 ** (count - 1), this.limits.retry_most_ms);
+    // What was refused would be refused again.
+    const refused = error instanceof ServerError && error.status === 400;
+    const wait = refused ? Number.POSITIVE_INFINITY : damaged ? this.limits.retry_most_ms : Math.min(this.limits.retry_ms * 2 ** (count - 1), this.limits.retry_most_ms);
     this.failures.set(name, { count, until: performance.now() + wait, damaged });
   }
 
