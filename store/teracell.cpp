@@ -475,7 +475,7 @@ int tc_leaves(const tc_grid* grid, const int64_t lo[3], const int64_t hi[3], int
     const Box box = within(reader, 0, box_of(lo, hi));
     if (box.empty()) return;
     const auto watched = [](double) { Wanted::stop_if_not(); };
-    Leaves leaves(reader, refinement, std::filesystem::temp_directory_path());
+    Leaves leaves(reader, refinement, temporary_folder());
     leaves.prepare(box, workers, watched);
     leaves.for_each(box, workers, watched, [&](std::span<const Leaf> found) {
       for (const Leaf& leaf : found) {

@@ -13,7 +13,7 @@ Box LeafLines::box_of(const SliceView& view) {
   return RayFrame::along(view.axis).box({view.u0, view.v0, view.index}, {view.u1, view.v1, view.index + 1});
 }
 
-// From fine to coarse: from red over yellow and green to blue, and round again.
+// From fine to coarse: from red over yellow and green to blue, and round again, darker each time.
 Rgba LeafLines::color(int level) {
   static constexpr std::array<Rgba, 8> kColors = {{{200, 30, 30, 255},
                                                    {230, 110, 20, 255},
@@ -23,7 +23,9 @@ Rgba LeafLines::color(int level) {
                                                    {20, 130, 200, 255},
                                                    {50, 70, 190, 255},
                                                    {120, 50, 160, 255}}};
-  return kColors[static_cast<size_t>(level) % kColors.size()];
+  Rgba color = kColors[static_cast<size_t>(level) % kColors.size()];
+  for (size_t c = 0; c < 3; ++c) color[c] = static_cast<uint8_t>(color[c] >> (level / std::ssize(kColors)));
+  return color;
 }
 
 LeafLines::LeafLines(const Leaves& leaves, const SliceView& view, std::vector<int64_t> columns, std::vector<int64_t> rows, int threads,

@@ -28,11 +28,6 @@ class RefinedGrid {
   }
 
  private:
-  static std::filesystem::path temporary_folder() {
-    std::error_code none;  // then opening a file says so
-    return std::filesystem::temp_directory_path(none);
-  }
-
   const std::shared_ptr<const ServedGrid> grid_;  // before what refers to it
   mutable std::shared_mutex mutex_;  // others read while nothing is prepared
   mutable Leaves leaves_;

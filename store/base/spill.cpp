@@ -14,6 +14,11 @@
 
 namespace teracell::inline store {
 
+std::filesystem::path temporary_folder() {
+  const char* const named = std::getenv("TMPDIR");
+  return named != nullptr && *named != '\0' ? named : "/tmp";
+}
+
 SpillFile::SpillFile(const std::filesystem::path& folder, uint64_t expected, bool in_memory) : folder_(folder.string()) {
   if (in_memory) file_ = Descriptor(::memfd_create("teracell", MFD_CLOEXEC));
   in_memory_ = bool{file_};

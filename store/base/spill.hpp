@@ -17,6 +17,9 @@ struct Budget {
   bool together = false;               // the facets are needed all at once, even where bins would be faster (kMostTogether in bodies.cpp)
 };
 
+// The folder for temporary files of those who choose none: what TMPDIR says, or /tmp.
+std::filesystem::path temporary_folder();
+
 // A temporary file without a name, which disappears with the process, however that ends. Threads may share it. Throws IoError
 // that says what to do. (Rejected: returning disk space piece by piece. To punch a hole, ext4 first writes out the whole
 // file, which took most of the time of a run.)

@@ -1,6 +1,7 @@
 #include "store/refine/refinement.hpp"
 
 #include <algorithm>
+#include <utility>
 #include <optional>
 
 #include <fmt/format.h>
@@ -42,7 +43,7 @@ class Selectors {
     if (!level || *level < 0 || *level > kCoarsest)
       throw UsageError(fmt::format("{}: expected {} with a level L from 0 to {}, found '{}'", option_, kSelectors, kCoarsest, selector));
     const std::string_view what = selector.substr(0, equal);
-    if (what == "interface") out_.interfaces = *level;
+    if (what == "interface") out_.interfaces = std::exchange(said_, true) ? std::min(out_.interfaces, *level) : *level;
     else if (what.starts_with("box:")) out_.boxes.push_back({box_of(what.substr(4)), *level});
     else if (what.starts_with("material:")) finer(out_.of_materials, material(what.substr(9)), meta_.materials.size(), *level);
     else if (what.starts_with("inside:")) finer(out_.inside, material(what.substr(7)), meta_.materials.size(), *level);
@@ -89,6 +90,7 @@ class Selectors {
     return box;
   }
 
+  bool said_ = false;  // of all interfaces
   const Metadata& meta_;
   const std::string_view option_;
   Refinement& out_;

@@ -264,7 +264,11 @@ std::optional<BlockSplits> Splits::make_above(const RefinedBlock& block, Bytes* 
 
 void Splits::keep(const RefinedBlock& block, const Bytes& record) {
   if (record.empty()) return;
-  file_.write(size_, record);
+  try {
+    file_.write(size_, record);
+  } catch (const IoError& e) {
+    throw IoError(e.what(), Remedy::kOtherFolder);  // more memory would change nothing
+  }
   records_[static_cast<size_t>(block.tier)][block] = {size_, static_cast<uint32_t>(record.size())};
   size_ += record.size();
 }

@@ -63,7 +63,7 @@ test("the list is filtered and ordered, and what is found is hidden or shown alo
   const titles = () => page.locator(".materials .material-title").allTextContents();
   await page.getByLabel("Order of the bodies").selectOption("most");
   const counted = [...bodies].sort((a, b) => b.cells - a.cells).map(({ name, material }) => name || materials[material].name);
-  await page.waitForFunction((first) => document.querySelector(".materials .material-title").textContent.startsWith(first), counted[0]);
+  await page.waitForFunction((names) => names.every((name, n) => document.querySelectorAll(".materials .material-title")[n]?.textContent.startsWith(name)), counted);
   assert.deepEqual((await titles()).map((title, n) => title.startsWith(counted[n])), counted.map(() => true));
   await page.getByLabel("Filter bodies by name").fill("TIER");
   const tiers = labels.flatMap(({ body }, label) => (body.includes("tier") ? [label] : []));

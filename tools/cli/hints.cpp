@@ -10,7 +10,7 @@ const char* hint(Remedy remedy) {
     case Remedy::kNone: return "";
     case Remedy::kCellsOrStep: return ": give --cells N, --cells NX,NY,NZ or --step H, or \"cells\" or \"step\" in the scene's grid";
     case Remedy::kMoreMemory: return ": allow more with --memory";
-    case Remedy::kOtherFolder: return ": give another folder with --tmp";
+    case Remedy::kOtherFolder: return ": give another folder with --tmp or TMPDIR";
     case Remedy::kOtherFolderOrMoreMemory: return ": give another folder with --tmp, or more --memory";
     case Remedy::kFreshStart: return ": start again without --resume";
     case Remedy::kCadMemory: return ": allow more with --cad-memory";

@@ -25,6 +25,7 @@ std::string read_kept_findings(const std::filesystem::path&, const GridReader&) 
 bool has_kept_findings(const std::filesystem::path&, const GridReader&) { return false; }
 
 // A page has no files: all stays in memory.
+std::filesystem::path temporary_folder() { return {}; }
 SpillFile::SpillFile(const std::filesystem::path&, uint64_t, bool) : in_memory_(true) {}
 void SpillFile::write(uint64_t offset, std::span<const uint8_t> bytes) {
   held_.resize(std::max(held_.size(), static_cast<size_t>(offset) + bytes.size()));

@@ -64,7 +64,12 @@ std::vector<uint32_t> numbers_of(const std::string& map, const GridReader& reade
 
 void expect_options(const ExportArguments& o, const std::vector<exports::ExportOption>& options, const std::string& whose) {
   for (const auto& [name, value] : o.of_formats)
-    if (std::ranges::count(options, name, &exports::ExportOption::name) == 0) throw UsageError(fmt::format("{}: {} has no such option", name, whose));
+    if (std::ranges::count(options, name, &exports::ExportOption::name) == 0) {
+      std::vector<std::string> with;
+      for (const exports::ExportFormat& format : exports::export_formats())
+        if (std::ranges::count(format.options, name, &exports::ExportOption::name) > 0) with.push_back(format.name);
+      throw UsageError(fmt::format("{}: {} has no such option; with it: {}", name, whose, fmt::join(with, ", ")));
+    }
 }
 
 void check_options(const ExportArguments& o, const exports::ExportFormat& format) {
@@ -77,11 +82,12 @@ void check_options(const ExportArguments& o, const exports::ExportFormat& format
 // How many leaves there would be, whatever the format.
 void count_leaves(const ExportArguments& o) {
   expect_options(o, exports::refined_options(), "--count");
+  if (o.map) throw UsageError("--map: expected none with --count, which names materials");
   if (!o.of_formats.contains("--refine")) throw UsageError("--count: expected --refine M,N with it, found none");
   const GridReader reader = open_grid(o.grid);
   const Metadata& meta = reader.meta();
   const Box box = !o.region ? meta.grid.box(0) : parse_region(*o.region, meta.grid, 0);
-  const Wanted wanted = until_interrupted("", "nothing was counted");
+  const Wanted wanted = until_interrupted(o.grid, "nothing was counted");
   std::optional<LeafTable> table;
   {
     ProgressLine line(o.progress, "count");

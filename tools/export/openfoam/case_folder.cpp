@@ -27,11 +27,11 @@ bool make_folder(const fs::path& path) {
 CaseFolder::CaseFolder(const fs::path& path, uint32_t parts, bool divided)
     : path_(path.has_filename() ? path : path.parent_path()), parts_(parts), divided_(divided), made_(make_folder(path_)) {
   try {
-    expect_free();
     std::error_code ignored;
     if (fs::exists(fs::symlink_status(path_ / kAside, ignored)))
-      throw UsageError(
-          fmt::format("{}: expected no folder of this name, which a run has left that was killed as it ended: remove it", (path_ / kAside).string()));
+      throw UsageError(fmt::format("{}: expected no folder of this name, which a run has left that was killed as it ended: remove it{}",
+                                   (path_ / kAside).string(), divided_ ? ", and the meshes of processors that it had moved out of it" : ""));
+    expect_free();
     aside_.emplace(path_ / kAside, "none");
   } catch (...) {
     std::error_code ignored;

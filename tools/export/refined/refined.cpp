@@ -35,7 +35,7 @@ RefinedGrid::RefinedGrid(const Export& e, double share)
     : refinement_(parse_refinement(e.reader.meta(), value_of(e, "--refine", ""), value_of(e, "--want", ""), "--refine", "--want")),
       threads_(static_cast<int>(e.integer("--threads", 1, 1024, std::max(1U, std::thread::hardware_concurrency())))) {
   if (e.level != 0) throw UsageError(fmt::format("--level: expected 0 with --refine, whose leaves are made of cells of level 0, found {}", e.level));
-  leaves_ = std::make_unique<Leaves>(e.reader, refinement_, value_of(e, "--tmp", std::filesystem::temp_directory_path()));
+  leaves_ = std::make_unique<Leaves>(e.reader, refinement_, value_of(e, "--tmp", temporary_folder()));
   const SetValue number = e.number();
   for (Label label = 0; label < e.reader.meta().labels.size(); ++label) numbers_.push_back(number({label}));
   e.progress(0);

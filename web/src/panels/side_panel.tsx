@@ -56,6 +56,7 @@ export function SidePanel({ viewer }: { viewer: Viewer }) {
               aria-selected={panel === shown}
               aria-controls="panel-content"
               tabIndex={panel === shown || (!shown && n === 0) ? 0 : -1}
+              onFocus={(e) => e.currentTarget.scrollIntoView({ block: "nearest", inline: "nearest" })}
               onClick={() => (viewer.panel.value = panel)}
             >
               {label}

@@ -6,7 +6,7 @@ import type { Region } from "../../tiles/regions";
 import { type Rgb, packed } from "../../tiles/sets";
 import type { SampleCells } from "./camera";
 
-// From fine to coarse: from red over yellow and green to blue, and round again.
+// From fine to coarse: from red over yellow and green to blue, and round again, darker each time.
 const COLORS: readonly Rgb[] = [
   [200, 30, 30],
   [230, 110, 20],
@@ -17,7 +17,11 @@ const COLORS: readonly Rgb[] = [
   [50, 70, 190],
   [120, 50, 160],
 ];
-export const color_of_level = (level: number): Rgb => COLORS[level % COLORS.length]!;
+export function color_of_level(level: number): Rgb {
+  const [r, g, b] = COLORS[level % COLORS.length]!;
+  const darker = Math.floor(level / COLORS.length);
+  return [r >> darker, g >> darker, b >> darker];
+}
 
 // The level of the leaf that each pixel shows; FINER where it shows several or none.
 function levels_of(columns: Int32Array, rows: Int32Array, regions: readonly Region<LeafTile>[]): Uint8Array {
