@@ -82,14 +82,12 @@ class Leaves {
   template <class Sink>
   class Block;
   bool is_split(int level, const Index3& cell) const;  // of a level above 2
-  std::shared_ptr<const Splits::Base> base(const Index3& block) const;
   template <class Sink>
   void visit(const Subtree& s, const Box& box, Sink&& sink) const;
 
   const GridReader& reader_;
   const RayFrame frame_;
   Splits splits_;
-  mutable LruCache<Index3, Splits::Base, PlaceHash> bases_;
 };
 
 }  // namespace teracell::store

@@ -10,7 +10,7 @@
 namespace teracell::inline store {
 namespace {
 
-constexpr size_t kChunkMemory = size_t{64} << 20, kSplitMemory = size_t{32} << 20;
+constexpr size_t kChunkMemory = size_t{64} << 20, kSplitMemory = size_t{32} << 20, kBaseMemory = size_t{24} << 20;
 constexpr int kManyBits = 3;  // 8 x 8 x 8 blocks are passed by at once where they hold one label
 
 Box shifted(const Box& box, int levels) {  // the cells of a finer level
@@ -94,7 +94,8 @@ Splits::Splits(const GridReader& reader, const Refinement& refinement, const std
       file_(folder, 0),
       records_(static_cast<size_t>(tiers())),
       prepared_(static_cast<size_t>(tiers())),
-      made_(kSplitMemory) {}
+      made_(kSplitMemory),
+      bases_(kBaseMemory) {}
 
 // The cells of the level above a block's own of which its splits depend. From the top: to spread by N/2 cells, the box must be so much larger; to
 // halve, twice as large; and with N odd there is one cell more on the finer level.
@@ -277,8 +278,13 @@ void Splits::make_records(int threads, const std::function<void(double share)>& 
       threads, next,
       [&](const std::pair<RefinedBlock, double>& job, int) {
         Found found{job, {}};
-        if (job.first.tier == 0) make_base(job.first.at, &found.record);
-        else make_above(job.first, &found.record);
+        if (job.first.tier == 0) {
+          auto base = std::make_shared<const Base>(make_base(job.first.at, &found.record));
+          const size_t bytes = base->memory();
+          bases_.add(job.first, std::move(base), bytes);
+        } else {
+          make_above(job.first, &found.record);
+        }
         return found;
       },
       [&](const Found& found) {
@@ -338,7 +344,16 @@ void Splits::prepare(const Box& box, int threads, const std::function<void(doubl
   for (int tier = 1; tier + 1 < tiers(); ++tier) prepare_above(tier, blocks[static_cast<size_t>(tier)], threads, progress);
 }
 
-Splits::Base Splits::base(const Index3& block) const { return make_base(block, nullptr); }
+std::shared_ptr<const Splits::Base> Splits::base(const Index3& block, bool again) const {
+  const auto make = [&] {
+    auto out = std::make_shared<const Base>(make_base(block, nullptr));
+    const size_t bytes = out->memory();
+    return std::pair(std::move(out), bytes);
+  };
+  if (again) return bases_.get({0, block}, make);
+  const auto kept = bases_.find({0, block});
+  return kept ? kept : make().first;
+}
 
 std::shared_ptr<const BlockSplits> Splits::get(const RefinedBlock& block) const {
   return made_.get(block, [&] {
