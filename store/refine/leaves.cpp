@@ -125,7 +125,7 @@ class Leaves::Block {
 };
 
 Leaves::Leaves(const GridReader& reader, const Refinement& refinement, const std::filesystem::path& folder, size_t memory)
-    : reader_(reader), frame_(reader.meta().frame()), splits_(reader, refinement, folder, memory - memory / 5), bases_(memory / 5) {}
+    : reader_(reader), frame_(reader.meta().frame()), splits_(reader, refinement, folder, memory) {}
 
 bool Leaves::is_split(int level, const Index3& cell) const {
   const int tier = (level - 1) / 2, above = level - 2 * tier;
@@ -136,25 +136,12 @@ bool Leaves::is_split(int level, const Index3& cell) const {
   return number < splits->split.size() && splits->split[number].get(cell[frame_.u], cell[frame_.v], cell[frame_.w]);
 }
 
-std::shared_ptr<const Splits::Base> Leaves::base(const Index3& block) const {
-  return bases_.get(block, [&] {
-    auto made = std::make_shared<const Splits::Base>(splits_.base({block[frame_.u], block[frame_.v], block[frame_.w]}));
-    const size_t bytes = made->memory();
-    return std::pair(std::move(made), bytes);
-  });
-}
-
 template <class Sink>
 void Leaves::visit(const Subtree& s, const Box& box, Sink&& sink) const {
-  if (s.level == kBlockLevel) {  // it won't be asked for again
-    const Splits::Base made = splits_.base({s.cell[frame_.u], s.cell[frame_.v], s.cell[frame_.w]});
-    Block<Sink>(*this, made, box, sink).go(s);
-    return;
-  }
-  if (s.level < kBlockLevel) {
-    Index3 block = s.cell;
-    for (int64_t& c : block) c >>= kBlockLevel - s.level;
-    Block<Sink>(*this, *base(block), box, sink).go(s);
+  if (s.level <= kBlockLevel) {  // a whole block won't be asked for again
+    const Index3 at{s.cell[frame_.u] >> (kBlockLevel - s.level), s.cell[frame_.v] >> (kBlockLevel - s.level),
+                    s.cell[frame_.w] >> (kBlockLevel - s.level)};
+    Block<Sink>(*this, *splits_.base(at, s.level < kBlockLevel), box, sink).go(s);
     return;
   }
   Index3 at{};

@@ -86,14 +86,12 @@ class Leaves {
  private:
   template <class Sink>
   class Block;
-  std::shared_ptr<const Splits::Base> base(const Index3& block) const;
   template <class Sink>
   void visit(const Subtree& s, const Box& box, Sink&& sink) const;
 
   const GridReader& reader_;
   const RayFrame frame_;
   Splits splits_;
-  mutable LruCache<Index3, Splits::Base, PlaceHash> bases_;
 };
 
 }  // namespace teracell::store

@@ -94,10 +94,11 @@ Splits::Splits(const GridReader& reader, const Refinement& refinement, const std
     : reader_(reader),
       refinement_(refinement),
       wants_(reader, refinement),
-      chunks_(memory - memory / 3),
+      chunks_(memory / 2),
       file_(folder, 0),
       records_(static_cast<size_t>(tiers())),
-      made_(memory / 3) {}
+      made_(memory / 4),
+      bases_(memory / 5) {}
 
 // The cells of the level above a block's own of which its splits depend. From the top: to spread by N/2 cells, the box must be so much larger; to
 // halve, twice as large; and with N odd there is one cell more on the finer level.
@@ -284,8 +285,13 @@ void Splits::make_records(int threads, const std::function<void(double share)>& 
       threads, next,
       [&](const std::pair<RefinedBlock, double>& job, int) {
         Found found{job, {}};
-        if (job.first.tier == 0) make_base(job.first.at, &found.record);
-        else make_above(job.first, &found.record);
+        if (job.first.tier == 0) {
+          auto base = std::make_shared<const Base>(make_base(job.first.at, &found.record));
+          const size_t bytes = base->memory();
+          bases_.add(job.first, std::move(base), bytes);
+        } else {
+          make_above(job.first, &found.record);
+        }
         return found;
       },
       [&](const Found& found) {
@@ -348,7 +354,16 @@ void Splits::prepare(const Box& box, int threads, const std::function<void(doubl
   prepared_.push_back(std::move(blocks));
 }
 
-Splits::Base Splits::base(const Index3& block) const { return make_base(block, nullptr); }
+std::shared_ptr<const Splits::Base> Splits::base(const Index3& block, bool again) const {
+  const auto make = [&] {
+    auto out = std::make_shared<const Base>(make_base(block, nullptr));
+    const size_t bytes = out->memory();
+    return std::pair(std::move(out), bytes);
+  };
+  if (again) return bases_.get({0, block}, make);
+  const auto kept = bases_.find({0, block});
+  return kept ? kept : make().first;
+}
 
 std::shared_ptr<const BlockSplits> Splits::get(const RefinedBlock& block) const {
   return made_.get(block, [&] {

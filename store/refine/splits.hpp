@@ -49,7 +49,8 @@ class Splits {
     BlockSplits splits;  // empty: nothing
     size_t memory() const { return sizeof *this + splits.memory() + (window ? window->memory() : 0); }
   };
-  Base base(const Index3& block) const;
+  // Those of prepare() are kept for a while, and those that will be asked for `again`.
+  std::shared_ptr<const Base> base(const Index3& block, bool again) const;
   // Of a tier above 0; empty: nothing is split.
   std::shared_ptr<const BlockSplits> get(const RefinedBlock& block) const;
   Label label_of(const Index3& cell) const;  // of level 0, by u, v, w
@@ -90,6 +91,7 @@ class Splits {
   std::vector<std::unordered_map<RefinedBlock, Record, KeyHash>> records_;  // by tier
   std::vector<std::vector<Box>> prepared_;                             // each by tier, of blocks
   mutable LruCache<RefinedBlock, BlockSplits, KeyHash> made_;
+  mutable LruCache<RefinedBlock, Base, KeyHash> bases_;  // of tier 0
 };
 
 }  // namespace teracell::store

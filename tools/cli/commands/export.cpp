@@ -87,7 +87,7 @@ void count_leaves(const ExportArguments& o) {
   const GridReader reader = open_grid(o.grid);
   const Metadata& meta = reader.meta();
   const Box box = !o.region ? meta.grid.box(0) : parse_region(*o.region, meta.grid, 0);
-  const Wanted wanted = until_interrupted(o.grid, "nothing was counted");
+  const Wanted wanted = until_interrupted(o.grid.name, "nothing was counted");
   std::optional<LeafTable> table;
   {
     ProgressLine line(o.progress, "count");

@@ -39,27 +39,4 @@ void for_each_face(NearLeaves& near, const LeafAt& cell, F&& f) {
   }
 }
 
-// Calls f(point) for the corners of a face, with its normal away from the cell, and g(point) for the middles of edges, which are corners only where
-// the mesh has a point: in their order.
-template <class F, class G>
-void for_each_corner(const LeafFace& face, F&& f, G&& g) {
-  const auto a = static_cast<size_t>(face.axis());
-  std::array<size_t, 2> in_plane{(a + 1) % 3, (a + 2) % 3};
-  if (!face.up()) std::swap(in_plane[0], in_plane[1]);
-  const LeafAt& leaf = face.smaller;
-  Index3 p = leaf.lower();
-  p[a] = face.plane;
-  // Round the face: each step goes along one of its edges.
-  for (size_t step = 0; step < 4; ++step) {
-    f(p);
-    const size_t along = in_plane[step % 2];
-    Index3 middle = p;
-    if (const auto half = face.finer ? std::nullopt : leaf.half(along)) {
-      middle[along] = *half;
-      g(middle);
-    }
-    p[along] = step < 2 ? leaf.hi(along) : leaf.lo(along);
-  }
-}
-
 }  // namespace teracell::exports::foam

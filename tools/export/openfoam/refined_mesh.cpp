@@ -80,15 +80,15 @@ class RefinedMesh::Walls {
 class RefinedMesh::Block {
  public:
   Block(const RefinedMesh& mesh, const Index3& at)
-      : mesh_(mesh), block_(mesh.grid_.block(at)), near_(mesh.grid_, at), points_(*mesh.points_, near_), walls_(mesh.links_, around(at)) {}
+      : mesh_(mesh), near_(mesh.grid_, at), block_(near_.own()), points_(*mesh.points_, near_), walls_(mesh.links_, around(at)) {}
 
   // face(cell, part, LeafFace, number of the cell beyond, or negative, and its part): sorted by the number of the cell beyond, those at the rim last.
   template <class Cell, class Face>
   void for_each_cell(Cell&& cell, Face&& face) {
     std::vector<LeafFace> faces;
     std::vector<std::pair<int64_t, uint32_t>> owned;  // by the number of the cell beyond
-    for (uint32_t i = 0; i < block_->size(); ++i) {
-      const LeafAt leaf = near_.leaf(*block_, i);
+    for (uint32_t i = 0; i < block_.size(); ++i) {
+      const LeafAt leaf = near_.leaf(block_, i);
       if (!leaf.in_mesh()) continue;
       const int64_t number = leaf.number();
       const uint32_t part = part_of(mesh_.begins_, number);
@@ -111,52 +111,42 @@ class RefinedMesh::Block {
   size_t corners(const LeafFace& face) {
     size_t n = 4;
     for_each_corner(
-        face, [](const Index3&) {}, [&](const Index3& p) { n += number(p) >= 0 ? 1 : 0; });
+        face, [](size_t) {}, [&](size_t place) { n += number(place) >= 0 ? 1 : 0; });
     return n;
   }
   void append(const LeafFace& face, std::vector<int32_t>& out) {
-    if (cell_.level == 0) {  // most faces: all corners are among the 27 of the eight cells, and there are no middles
-      constexpr std::array<size_t, 3> kStep{1, 3, 9};
-      const auto a = static_cast<size_t>(face.axis());
-      const size_t b = kStep[(a + 1) % 3], c = kStep[(a + 2) % 3], first = face.up() ? b : c, second = face.up() ? c : b;
-      size_t place = face.up() ? kStep[a] : 0;
-      for (size_t d = 0; d < 3; ++d) place += kStep[d] * static_cast<size_t>(cell_.first[d] - corner_[d]);
-      for (const size_t corner : {place, place + first, place + first + second, place + second})
-        out.push_back(static_cast<int32_t>(at_place(corner)));
-      return;
-    }
     for_each_corner(
-        face, [&](const Index3& p) { out.push_back(static_cast<int32_t>(number(p))); },
-        [&](const Index3& p) {
-          if (const int64_t n = number(p); n >= 0) out.push_back(static_cast<int32_t>(n));
+        face, [&](size_t place) { out.push_back(static_cast<int32_t>(number(place))); },
+        [&](size_t place) {
+          if (const int64_t n = number(place); n >= 0) out.push_back(static_cast<int32_t>(n));
         });
   }
   // Appends them as the other part has them, reversed; the first one stays.
   void append_reversed(const LeafFace& face, uint32_t other, std::vector<int32_t>& out) {
     const size_t begin = out.size();
-    const auto put = [&](const Index3& p) {
-      if (const int64_t n = points_.number(p, other, mesh_.mesh_.box); n >= 0) out.push_back(static_cast<int32_t>(n));
+    const auto put = [&](size_t place) {
+      if (const int64_t n = points_.number(point_at(place), other, mesh_.mesh_.box); n >= 0) out.push_back(static_cast<int32_t>(n));
     };
     for_each_corner(face, put, put);
     std::reverse(out.begin() + static_cast<std::ptrdiff_t>(begin) + 1, out.end());
   }
   uint32_t what(const LeafFace& face) { return walls_.what(face); }
-  size_t cells() const { return block_->in_mesh; }
+  size_t cells() const { return block_.in_mesh; }
 
   // point(part, point, level of the coarsest cell that has it as a corner)
   template <class Point>
   void for_each_point(Point&& point) {
-    const auto owned = mesh_.points_->block(block_->at);
+    const auto owned = mesh_.points_->block(block_.at);
     const auto tell = [&](uint32_t i, uint32_t part, const PointBlock::Entry& entry) {
       if (entry.points == 0) return;
-      const LeafAt leaf = near_.leaf(*block_, i);
+      const LeafAt leaf = near_.leaf(block_, i);
       for (uint32_t rest = entry.points; rest != 0; rest &= rest - 1) {
         const auto number = static_cast<uint32_t>(std::countr_zero(rest));
         const Index3 p = LeafPoints::place(leaf, number);
         point(part, p, coarsest_at(leaf, number, p));
       }
     };
-    for (uint32_t i = 0; i < block_->size(); ++i) tell(i, owned->part, owned->entries[i]);
+    for (uint32_t i = 0; i < block_.size(); ++i) tell(i, owned->part, owned->entries[i]);
     for (const PointBlock::Other& other : owned->others) tell(other.leaf, other.part, other.entry);
   }
 
@@ -164,18 +154,18 @@ class RefinedMesh::Block {
   Box around(const Index3& at) const {
     Box out;
     for (size_t d = 0; d < 3; ++d) out.lo[d] = (at[d] << LeafBlock::kBits) - 1, out.hi[d] = ((at[d] + 1) << LeafBlock::kBits) + 1;
-    for (uint32_t i = 0; i < block_->size(); ++i)  // a larger leaf reaches beyond its block
-      if (block_->leaves[i].level > LeafBlock::kBits)
-        for (size_t d = 0; d < 3; ++d) out.hi[d] = out.lo[d] + 2 + (int64_t{1} << block_->leaves[i].level);
+    for (uint32_t i = 0; i < block_.size(); ++i)  // a larger leaf reaches beyond its block
+      if (block_.leaves[i].level > LeafBlock::kBits)
+        for (size_t d = 0; d < 3; ++d) out.hi[d] = out.lo[d] + 2 + (int64_t{1} << block_.leaves[i].level);
     return out;
   }
   // Mostly the owner's level tells: a coarser leaf has no corner between its own, and what lies in the middle of an edge or a face is the corner of
   // leaves that are one level finer.
   int coarsest_at(const LeafAt& owner, uint32_t number, const Index3& p) {
     if (number == 0 && owner.in_mesh()) {
-      const int64_t coarser = int64_t{1} << (owner.level + 1);
+      const int64_t within_coarser = (int64_t{2} << owner.level) - 1;
       for (size_t d = 0; d < 3; ++d)
-        if (p[d] % coarser != 0 && p[d] > mesh_.mesh_.box.lo[d]) return owner.level;
+        if ((p[d] & within_coarser) != 0 && p[d] > mesh_.mesh_.box.lo[d]) return owner.level;
     }
     int of_mesh = -1, of_any = 0;
     for (const LeafAt& leaf : near_.around(p)) {
@@ -188,34 +178,55 @@ class RefinedMesh::Block {
 
   // What is known of the points of cells before holds for this one if both are among the same eight.
   void begin(const LeafAt& cell, uint32_t part) {
-    const Index3 corner = cell.level > 0 ? cell.first : Index3{cell.first[0] & ~1, cell.first[1] & ~1, cell.first[2] & ~1};
-    if (cell.level != cell_.level || cell.level > 0 || corner != corner_ || part != part_) known_.fill(kUnknown);
-    cell_ = cell, corner_ = corner, part_ = part;
+    const auto of_eight = [&](size_t d) { return cell.first[d] >> cell.level & 1; };
+    Index3 eight;
+    for (size_t d = 0; d < 3; ++d) eight[d] = cell.first[d] - (of_eight(d) << cell.level);
+    if (cell.level != cell_.level || eight != eight_ || part != part_) known_.fill(kUnknown);
+    cell_ = cell, eight_ = eight, part_ = part, own_ = 0;
+    for (size_t d = 0; d < 3; ++d) own_ += 2 * kStep[d] * static_cast<size_t>(of_eight(d)), half_[d] = cell.half(d).has_value();
   }
-  int64_t at_place(size_t place) {  // of one of the 27
-    if (known_[place] != kUnknown) return known_[place];
-    const auto i = static_cast<int64_t>(place);
-    const Index3 p{corner_[0] + i % 3, corner_[1] + i / 3 % 3, corner_[2] + i / 9};
-    return known_[place] = points_.number(p, part_, mesh_.mesh_.box);
+  // Places are the corners of the eight cells and what lies halfway between them, 5 x 5 x 5. Calls f(place) for the corners of a face, with its
+  // normal away from the cell, and g(place) for the middles of edges, which are corners only where the mesh has a point: in their order.
+  template <class F, class G>
+  void for_each_corner(const LeafFace& face, F&& f, G&& g) const {
+    const auto a = static_cast<size_t>(face.axis());
+    std::array<size_t, 2> in_plane{(a + 1) % 3, (a + 2) % 3};
+    if (!face.up()) std::swap(in_plane[0], in_plane[1]);
+    size_t first = own_ + (face.up() ? 2 * kStep[a] : 0);
+    std::array<size_t, 2> along{};
+    for (size_t i = 0; i < 2; ++i) {
+      const size_t d = in_plane[i];
+      along[i] = (face.finer && half_[d] ? 1 : 2) * kStep[d];
+      if (face.finer && face.smaller.lo(d) != cell_.lo(d)) first += kStep[d];
+    }
+    const std::array<size_t, 4> round{first, first + along[0], first + along[0] + along[1], first + along[1]};
+    for (size_t i = 0; i < 4; ++i) {
+      f(round[i]);
+      if (!face.finer && half_[in_plane[i % 2]]) g((round[i] + round[(i + 1) % 4]) / 2);
+    }
   }
-  // Of a corner or the middle of an edge: each is asked for by several faces.
-  int64_t number(const Index3& p) {
-    size_t place = 0;
-    for (size_t d = 3; d-- > 0;)
-      place = place * 3 + (cell_.level == 0 ? static_cast<size_t>(p[d] - corner_[d]) : p[d] == cell_.lo(d) ? 0 : p[d] == cell_.hi(d) ? 2 : 1);
-    if (cell_.level == 0) return at_place(place);
-    if (known_[place] == kUnknown) known_[place] = points_.number(p, part_, mesh_.mesh_.box);
+  Index3 point_at(size_t place) const {  // at a place of the cell
+    Index3 out;
+    size_t rest = place - own_;
+    for (size_t d = 0; d < 3; ++d, rest /= 5) out[d] = rest % 5 == 0 ? cell_.lo(d) : rest % 5 == 2 ? cell_.hi(d) : *cell_.half(d);
+    return out;
+  }
+  int64_t number(size_t place) {
+    if (known_[place] == kUnknown) known_[place] = points_.number(point_at(place), part_, mesh_.mesh_.box);
     return known_[place];
   }
 
   static constexpr int64_t kUnknown = -2, kRim = std::numeric_limits<int64_t>::max();
+  static constexpr std::array<size_t, 3> kStep{1, 5, 25};
   LeafAt cell_;
-  Index3 corner_{};
+  Index3 eight_{};
   uint32_t part_ = ~0U;
-  std::array<int64_t, 27> known_{};
+  size_t own_ = 0;  // the place of the cell's lower corner
+  std::array<bool, 3> half_{};  // the axes on which it has a middle
+  std::array<int64_t, 125> known_{};  // numbers, by place
   const RefinedMesh& mesh_;
-  const std::shared_ptr<const LeafBlock> block_;
   NearLeaves near_;
+  const LeafBlock& block_;
   NearPoints points_;
   Walls walls_;
 };
@@ -231,13 +242,15 @@ RefinedMesh::RefinedMesh(const Export& e, const RefinedGrid& refined, const std:
 std::vector<PartOut> RefinedMesh::make(const Index3& at, bool numbers) const {
   std::vector<PartOut> out;
   Block block(*this, at);
-  const auto reserve = [&](GroupOut& g) {
-    const size_t faces = g.group == kInner ? block.cells() * 33 / 10 : 0;
+  const auto most_cells = [&](uint32_t part) { return std::min(block.cells(), static_cast<size_t>(begins_[part + 1] - begins_[part])); };
+  const auto reserve = [&](GroupOut& g, uint32_t part) {
+    const size_t faces = g.group == kInner ? most_cells(part) * 33 / 10 : 0;
     g.sizes.reserve(faces), g.owner.reserve(faces), g.neighbour.reserve(faces), g.corners.reserve(numbers ? 4 * faces : 0);
   };
   if (numbers)
     block.for_each_point([&](uint32_t part, const Index3& p, int level) {
       PartOut& own = part_in(out, part);
+      if (own.points.empty()) own.points.reserve(most_cells(part) * 5 / 4), own.point_level.reserve(most_cells(part) * 5 / 4);
       std::array<double, 3> place{};
       for (int d = 0; d < 3; ++d) {
         const auto axis = static_cast<size_t>(d);
@@ -258,7 +271,7 @@ std::vector<PartOut> RefinedMesh::make(const Index3& at, bool numbers) const {
       [&](int64_t number, uint32_t part, const LeafFace& face, int64_t beyond, uint32_t other) {
         const auto put = [&](uint32_t in, FaceGroup group, int64_t owner) -> GroupOut& {
           GroupOut& g = group_in(part_in(out, in), group);
-          if (g.sizes.empty()) reserve(g);
+          if (g.sizes.empty()) reserve(g, in);
           const size_t before = g.corners.size();
           if (!numbers) {
             g.sizes.push_back(static_cast<uint8_t>(block.corners(face)));

@@ -1,6 +1,7 @@
 // Many places in many files that are written to in turn. What is put is kept in buffers, which together have a bounded size; no file is
 // open but while bytes are written.
 #pragma once
+#include <algorithm>
 #include <cstring>
 #include <filesystem>
 #include <memory>
@@ -38,7 +39,13 @@ class Stream {
   }
   template <class T>
   void put_all(const std::vector<T>& values) {
-    for (const T& value : values) put(value);
+    for (std::span<const T> rest(values); !rest.empty();) {
+      if (capacity_ - size_ < sizeof(T)) make_room();
+      const auto fit = rest.first(std::min(rest.size(), (capacity_ - size_) / sizeof(T)));
+      std::memcpy(buffer_.get() + size_, fit.data(), fit.size_bytes());
+      size_ += fit.size_bytes();
+      rest = rest.subspan(fit.size());
+    }
   }
   // Writes what was put.
   void close();

@@ -85,12 +85,12 @@ void LeafGrid::keep_largest_region(const std::function<void(double share)>& prog
   using Pairs = std::vector<std::pair<uint32_t, uint32_t>>;
   for_each_block([&](double share) { progress((1 + share) / 2); },
                  [&](const Index3& at) {
-                   const auto own = block(at);
                    NearLeaves near(*this, at);
+                   const LeafBlock& own = near.own();
                    Pairs pairs;
                    const auto region = [&](const LeafAt& leaf) { return first_region_.at(leaf.block->at) + leaf.block->region[leaf.i]; };
-                   for (uint32_t i = 0; i < own->size(); ++i) {
-                     const LeafAt leaf = near.leaf(*own, i);
+                   for (uint32_t i = 0; i < own.size(); ++i) {
+                     const LeafAt leaf = near.leaf(own, i);
                      if (!leaf.in_mesh()) continue;
                      for (size_t axis = 0; axis < 3; ++axis)
                        for (const bool up : {false, true}) {
@@ -126,7 +126,20 @@ void LeafGrid::number(const std::function<void(double share)>& progress) {
   first_ = std::move(first);
 }
 
-const LeafBlock& NearLeaves::far(const Index3& at) {
+LeafAt NearLeaves::elsewhere(const Index3& cell) {
+  for (size_t d = 0; d < 3; ++d)
+    if (cell[d] < box_.lo[d] || cell[d] >= box_.hi[d]) return {};
+  const LeafBlock& found = block(shifted_down(cell, LeafBlock::kBits));
+  return found.cover ? leaf(block(shifted_down(found.cover->first(), LeafBlock::kBits)), 0) : in(found, cell);
+}
+
+const LeafBlock& NearLeaves::block(const Index3& at) {
+  const int64_t u = at[0] - centre_[0] + 1, v = at[1] - centre_[1] + 1, w = at[2] - centre_[2] + 1;
+  if (u >= 0 && u <= 2 && v >= 0 && v <= 2 && w >= 0 && w <= 2) {
+    auto& near = near_[static_cast<size_t>((w * 3 + v) * 3 + u)];
+    if (!near) near = grid_.block(at);
+    return *near;
+  }
   for (const auto& known : far_)
     if (known->at == at) return *known;
   return *far_.emplace_back(grid_.block(at));

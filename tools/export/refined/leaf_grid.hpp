@@ -76,20 +76,20 @@ struct LeafAt {
 // Looks leaves up around a block. Not thread-safe.
 class NearLeaves {
  public:
-  NearLeaves(const LeafGrid& grid, const Index3& block) : grid_(grid), box_(grid.box()), centre_(block) {}
+  NearLeaves(const LeafGrid& grid, const Index3& block) : grid_(grid), box_(grid.box()), centre_(block), own_(near_[13] = grid.block(block)) {
+    for (size_t d = 0; d < 3; ++d) {
+      own_lo_[d] = std::max(block[d] << LeafBlock::kBits, box_.lo[d]);
+      const int64_t own_hi = std::min((block[d] + 1) << LeafBlock::kBits, box_.hi[d]);
+      own_size_[d] = own_->cover ? 0 : static_cast<uint64_t>(std::max<int64_t>(0, own_hi - own_lo_[d]));
+    }
+  }
 
+  const LeafBlock& own() const { return *own_; }
   // None outside the box.
   LeafAt at(const Index3& cell) {
     for (size_t d = 0; d < 3; ++d)
-      if (cell[d] < box_.lo[d] || cell[d] >= box_.hi[d]) return {};
-    const LeafBlock* b = &block(shifted_down(cell));
-    if (b->cover) {
-      b = &block(shifted_down(b->cover->first()));
-      return leaf(*b, 0);
-    }
-    const uint32_t i = b->find(cell);
-    const int level = b->leaves[i].level;
-    return {b, i, level, {cell[0] >> level << level, cell[1] >> level << level, cell[2] >> level << level}, &box_};
+      if (static_cast<uint64_t>(cell[d] - own_lo_[d]) >= own_size_[d]) return elsewhere(cell);
+    return in(*own_, cell);
   }
   // The leaf that holds the lowest cell beside a leaf across its upper or lower side on an axis.
   LeafAt beside(const LeafAt& leaf, size_t axis, bool up) {
@@ -117,21 +117,21 @@ class NearLeaves {
   }
 
  private:
-  static Index3 shifted_down(const Index3& cell) { return {cell[0] >> LeafBlock::kBits, cell[1] >> LeafBlock::kBits, cell[2] >> LeafBlock::kBits}; }
-
-  const LeafBlock& block(const Index3& at) {
-    const int64_t u = at[0] - centre_[0] + 1, v = at[1] - centre_[1] + 1, w = at[2] - centre_[2] + 1;
-    if (u < 0 || u > 2 || v < 0 || v > 2 || w < 0 || w > 2) return far(at);
-    auto& near = near_[static_cast<size_t>((w * 3 + v) * 3 + u)];
-    if (!near) near = grid_.block(at);
-    return *near;
+  LeafAt in(const LeafBlock& block, const Index3& cell) const {
+    const uint32_t i = block.find(cell);
+    const int level = block.leaves[i].level;
+    return {&block, i, level, {cell[0] >> level << level, cell[1] >> level << level, cell[2] >> level << level}, &box_};
   }
-  const LeafBlock& far(const Index3& at);
+  LeafAt elsewhere(const Index3& cell);
+  const LeafBlock& block(const Index3& at);
 
   const LeafGrid& grid_;
   const Box& box_;
   const Index3 centre_;
   std::array<std::shared_ptr<const LeafBlock>, 27> near_;
+  const std::shared_ptr<const LeafBlock> own_;  // one of them
+  Index3 own_lo_{};  // its cells in the box; none if a leaf from elsewhere covers it
+  std::array<uint64_t, 3> own_size_{};
   std::vector<std::shared_ptr<const LeafBlock>> far_;
 };
 

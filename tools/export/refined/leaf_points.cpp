@@ -7,6 +7,7 @@ namespace teracell::exports {
 namespace {
 
 constexpr size_t kPointMemory = size_t{64} << 20;
+constexpr uint32_t kAllPlaces = (1U << 27) - 1;
 
 // Whether a point is a corner of a face of the mesh: of a cell, or of a finer leaf beside one.
 bool is_point(const NearLeaves::Around& around, const Index3& p) {
@@ -66,13 +67,13 @@ Index3 LeafPoints::place(const LeafAt& leaf, uint32_t number) {
 
 PointBlock LeafPoints::make(const Index3& at) const {
   PointBlock out;
-  const auto block = grid_.block(at);
   NearLeaves near(grid_, at);
+  const LeafBlock& block = near.own();
   const bool one_part = begins_.size() == 2;
-  out.entries.resize(block->size());
-  if (block->in_mesh > 0) out.part = part_of(begins_, block->first);
-  for (uint32_t i = 0; i < block->size(); ++i) {
-    const LeafAt leaf = near.leaf(*block, i);
+  out.entries.resize(block.size());
+  if (block.in_mesh > 0) out.part = part_of(begins_, block.first);
+  for (uint32_t i = 0; i < block.size(); ++i) {
+    const LeafAt leaf = near.leaf(block, i);
     const size_t others = out.others.size();
     const auto add = [&](uint32_t part, uint32_t number) {
       PointBlock::Entry* entry = part == out.part ? &out.entries[i] : nullptr;
@@ -84,9 +85,9 @@ PointBlock LeafPoints::make(const Index3& at) const {
     std::array<bool, 9> has{};  // by axis: a place halfway, a place at the upper side
     for (size_t d = 0; d < 3; ++d) has[3 * d] = true, has[3 * d + 1] = leaf.half(d).has_value(), has[3 * d + 2] = leaf.hi(d) == grid_.box().hi[d];
     const bool at_upper_side = has[2] || has[5] || has[8];
-    const uint32_t possible = at_upper_side ? ~0U : 1U | beside_finer(near, leaf);
-    for (uint32_t number = 0; number < 27; ++number) {
-      if ((possible >> number & 1) == 0) continue;
+    const uint32_t possible = at_upper_side ? kAllPlaces : 1U | beside_finer(near, leaf);
+    for (uint32_t rest = possible; rest != 0; rest &= rest - 1) {
+      const auto number = static_cast<uint32_t>(std::countr_zero(rest));
       const std::array<uint32_t, 3> where{number % 3, number / 3 % 3, number / 9};
       if (!has[where[0]] || !has[3 + where[1]] || !has[6 + where[2]] || number == 13) continue;  // 13 is its middle
       if (one_part && number == 0 && leaf.in_mesh()) {
@@ -143,15 +144,22 @@ int64_t NearPoints::number(const Index3& p, uint32_t part, const Box& box) {
   for (size_t d = 0; d < 3; ++d) cell[d] = std::min(p[d], box.hi[d] - 1);
   const LeafAt leaf = leaves_.at(cell);
   uint32_t number = 0;
-  for (size_t d = 3; d-- > 0;) number = number * 3 + (p[d] == leaf.lo(d) ? 0 : p[d] == leaf.hi(d) ? 2 : 1);
-  if (LeafPoints::place(leaf, number) != p) return -1;
-  const Index3& at = leaf.block->at;
-  auto it = std::ranges::find(blocks_, at, [](const auto& b) { return b.first; });
-  if (it == blocks_.end()) it = blocks_.insert(it, {at, points_.block(at)});
-  const PointBlock::Entry* const entry = it->second->find(leaf.i, part);
+  for (size_t d = 3; d-- > 0;) {
+    const bool lower = p[d] == leaf.lo(d), upper = p[d] == leaf.hi(d);
+    if (!lower && !upper && p[d] != leaf.first[d] + (int64_t{1} << leaf.level) / 2) return -1;
+    number = number * 3 + (lower ? 0 : upper ? 2 : 1);
+  }
+  if (leaf.block != last_) {
+    last_ = leaf.block;
+    auto& points = blocks_[last_];
+    if (!points) points = points_.block(last_->at);
+    of_last_ = points.get();
+  }
+  const PointBlock::Entry* const entry = of_last_->find(leaf.i, part);
   const uint32_t bit = uint32_t{1} << number;
   if (entry == nullptr || (entry->points & bit) == 0) return -1;
-  return it->second->first(part) + entry->first + std::popcount(entry->points & (bit - 1));
+  const uint32_t before = entry->points & (bit - 1);  // mostly none
+  return of_last_->first(part) + entry->first + (before == 0 ? 0 : std::popcount(before));
 }
 
 }  // namespace teracell::exports

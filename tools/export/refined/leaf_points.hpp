@@ -66,7 +66,9 @@ class NearPoints {
  private:
   const LeafPoints& points_;
   NearLeaves& leaves_;
-  std::vector<std::pair<Index3, std::shared_ptr<const PointBlock>>> blocks_;
+  std::unordered_map<const LeafBlock*, std::shared_ptr<const PointBlock>> blocks_;  // the leaves' keeper has them as long
+  const LeafBlock* last_ = nullptr;
+  const PointBlock* of_last_ = nullptr;
 };
 
 }  // namespace teracell::exports
