@@ -4,6 +4,7 @@
 #include "tests/support/meshed.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/refined.hpp"
+#include "tests/support/shared_files.hpp"
 
 namespace teracell {
 namespace {
@@ -107,6 +108,30 @@ TEST_CASE("Faces on a patch of the surface want its level, and those of a materi
     CHECK(counted(expected).size() > 4);
     Leaves leaves(reader, refinement, folder.path());
     expect_same(leaves_of(leaves, whole), expected);
+  }
+}
+
+TEST_CASE("The leaves of real surfaces are those of the definition, for any ray axis") {
+  const auto meshes = shared_files("meshes");
+  if (!meshes) return;
+  const TempFolder folder;
+  for (const char* name : {"fandisk.obj", "rocker-arm.obj", "furnace/shield.obj"}) {
+    std::vector<Leaf> first;
+    for (int axis = 0; axis < 3; ++axis) {
+      CAPTURE(name, axis);
+      mesher::Scene scene = mesher::bare_scene({*meshes / name});
+      for (size_t d = 0; d < 3; ++d) scene.axis[d].cells = std::array{53, 47, 71}[d];
+      mesh_quietly(scene, folder / "g.tcell", {.axis = axis});
+      const GridReader reader(folder / "g.tcell");
+      std::vector<Label> cells;
+      for (const uint32_t cell : all_cells(reader)) cells.push_back(cell);
+      const Box whole = reader.meta().grid.box(0);
+      Leaves leaves(reader, {.coarsest = 5, .layers = 2}, folder.path());
+      const auto found = leaves_of(leaves, whole);
+      if (axis == 0) expect_same(first = found, leaves_by_definition(reader.meta(), cells, {.coarsest = 5, .layers = 2}, whole));
+      else expect_same(found, first);
+    }
+    CHECK(counted(first).size() >= 4);
   }
 }
 
