@@ -40,9 +40,8 @@ Response answer_count(const GridRequest& r) {
   const Refinement refinement = refinement_of(r);
   const Box box = region_of(r);
   return json_answer(r, "leaves_json", [&r, refinement, box] {
-    const auto counts = refined(r, refinement)->with(box, [&](const Leaves& leaves) {
-      return leaves.count(box, 1, [](double) { Wanted::stop_if_not(); });
-    });
+    const auto counts =
+        refined(r, refinement)->with(box, [&](const Leaves& leaves) { return leaves.count(box, 1, [](double) { Wanted::stop_if_not(); }); });
     return LeafTable(r.meta(), refinement, counts).json();
   });
 }

@@ -19,12 +19,8 @@ Service::Service(ServiceOptions options) : Service(std::move(options), nullptr) 
 }
 
 std::vector<CacheState> Service::caches() const {
-  std::vector<CacheState> out = {{"chunks", chunks_->counts()},
-                                 {"index", index_->counts()},
-                                 {"answers", answers_.counts()},
-                                 {"fractions", fractions_->counts()},
-                                 {"views", prepared_.counts()},
-                                 {"refined", refined_.counts()}};
+  std::vector<CacheState> out = {{"chunks", chunks_->counts()},       {"index", index_->counts()},   {"answers", answers_.counts()},
+                                 {"fractions", fractions_->counts()}, {"views", prepared_.counts()}, {"refined", refined_.counts()}};
   if (options_.source.blocks) out.push_back({"blocks", options_.source.blocks->counts()});
   return out;
 }

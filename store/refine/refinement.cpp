@@ -1,8 +1,8 @@
 #include "store/refine/refinement.hpp"
 
 #include <algorithm>
-#include <utility>
 #include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 

@@ -1,5 +1,5 @@
-// What the module never does, so that the code for it need not come along: it writes no files, looks for no findings, which lie beside a grid where a page
-// cannot look, it compresses no chunks and no answers, and it verifies no files.
+// What the module never does, so that the code for it need not come along: it writes no files, looks for no findings, which lie beside a grid where a
+// page cannot look, it compresses no chunks and no answers, and it verifies no files.
 #include <algorithm>
 
 #include <zstd.h>
@@ -31,7 +31,9 @@ void SpillFile::write(uint64_t offset, std::span<const uint8_t> bytes) {
   held_.resize(std::max(held_.size(), static_cast<size_t>(offset) + bytes.size()));
   std::ranges::copy(bytes, held_.begin() + static_cast<ptrdiff_t>(offset));
 }
-void SpillFile::read(uint64_t offset, std::span<uint8_t> out) const { std::copy_n(held_.begin() + static_cast<ptrdiff_t>(offset), out.size(), out.begin()); }
+void SpillFile::read(uint64_t offset, std::span<uint8_t> out) const {
+  std::copy_n(held_.begin() + static_cast<ptrdiff_t>(offset), out.size(), out.begin());
+}
 
 struct ChunkEncoder::Scratch {};
 ChunkEncoder::ChunkEncoder() = default;

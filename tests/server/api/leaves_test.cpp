@@ -68,10 +68,10 @@ TEST_CASE("Leaves are counted by level and material, also of a region, and wishe
   const ServedBlobs s(4);
   const Index3 n = s.meta.grid.cells();
   const std::string region = "1,0,2," + std::to_string(n[0]) + "," + std::to_string(n[1] - 1) + "," + std::to_string(n[2]);
-  for (const auto& [query, wants, box] :
-       std::vector<std::tuple<std::string, std::string, Box>>{{"", "", s.meta.grid.box(0)},
-                                                              {"&region=" + region, "", {{1, 0, 2}, {n[0], n[1] - 1, n[2]}}},
-                                                              {"&want=interface=1,box:0,0,0,2,2,2=0", "interface=1,box:0,0,0,2,2,2=0", s.meta.grid.box(0)}}) {
+  for (const auto& [query, wants, box] : std::vector<std::tuple<std::string, std::string, Box>>{
+           {"", "", s.meta.grid.box(0)},
+           {"&region=" + region, "", {{1, 0, 2}, {n[0], n[1] - 1, n[2]}}},
+           {"&want=interface=1,box:0,0,0,2,2,2=0", "interface=1,box:0,0,0,2,2,2=0", s.meta.grid.box(0)}}) {
     std::map<std::pair<int, std::string>, uint64_t> expected;
     const auto leaves = leaves_by_definition(s.meta, s.cells, parse_refinement(s.meta, 3, 1, wants), box);
     for (const Leaf& leaf : leaves) ++expected[{leaf.level, s.meta.materials[s.meta.labels[leaf.label].material].name}];
@@ -88,7 +88,8 @@ TEST_CASE("Threads that ask for leaves at once get the same answers as one", "[s
   const ServedBlobs s(7), alone(7);
   std::vector<std::string> targets;
   for (int i = 0; i < 24; ++i)
-    targets.push_back("leaves/" + std::string(axis_name(i % 3)) + "/" + std::to_string(i % 3) + "/0/0_0.bin?refine=" + std::to_string(5 + i % 2) + ",1");
+    targets.push_back("leaves/" + std::string(axis_name(i % 3)) + "/" + std::to_string(i % 3) + "/0/0_0.bin?refine=" + std::to_string(5 + i % 2) +
+                      ",1");
   targets.push_back("leaves.json?refine=5,1");
   std::vector<std::string> found(targets.size());
   {

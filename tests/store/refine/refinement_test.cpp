@@ -20,7 +20,8 @@ TEST_CASE("Levels, layers and selectors are read, names with commas and quotes t
   const Refinement plain = parse_refinement(meta, "5", "", "--refine", "--want");
   CHECK((plain.coarsest == 5 && plain.layers == 2 && plain.interfaces == 0 && plain.of_materials.empty() && plain.boxes.empty()));
   const Refinement r = parse_refinement(
-      meta, "8,3", R"(interface=5,interface=4,interface=6,material:"steel, ""A=3"""=2,material:"steel, ""A=3"""=1,inside:a=b=3,box:0,0,0,5,6,7=2,box:-9,0,0,99,1,1=0)",
+      meta, "8,3",
+      R"(interface=5,interface=4,interface=6,material:"steel, ""A=3"""=2,material:"steel, ""A=3"""=1,inside:a=b=3,box:0,0,0,5,6,7=2,box:-9,0,0,99,1,1=0)",
       "--refine", "--want");
   CHECK((r.coarsest == 8 && r.layers == 3 && r.interfaces == 4));
   CHECK(r.of_materials == std::vector<int>{kNoLevel, 1, kNoLevel});
