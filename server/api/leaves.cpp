@@ -15,11 +15,10 @@ Refinement refinement_of(const GridRequest& r) {
   return parse_refinement(r.meta(), *levels, wants ? *wants : "", "refine", "want");
 }
 
-// What is kept of two of them at once fits.
 std::shared_ptr<const RefinedGrid> refined(const GridRequest& r, const Refinement& refinement) {
-  const size_t memory = r.service.refined().counts().limit / 8 * 3;
+  const size_t memory = r.service.refined().counts().limit * 3 / 8;  // so that there is room for two
   const std::string* wants = r.target.find("want");
-  return r.service.refined().get(fmt::format("{} {} {}", r.grid->number, *r.target.find("refine"), wants ? *wants : ""),
+  return r.service.refined().get(fmt::format("{} {},{} {}", r.grid->number, refinement.coarsest, refinement.layers, wants ? *wants : ""),
                                  [&] { return std::pair(std::make_shared<const RefinedGrid>(r.grid, refinement, memory), memory); });
 }
 

@@ -9,15 +9,11 @@ constexpr int64_t kPixelsAtOnce = 4 << 20;
 
 }  // namespace
 
-Box LeafLines::box_of(const SliceView& view) {
-  return RayFrame::along(view.axis).box({view.u0, view.v0, view.index}, {view.u1, view.v1, view.index + 1});
-}
-
 // From fine to coarse: from red over yellow and green to blue, and round again, darker each time.
 Rgba LeafLines::color(int level) {
   static constexpr std::array<Rgba, 8> kColors = {{{200, 30, 30, 255},
                                                    {230, 110, 20, 255},
-                                                   {220, 180, 20, 255},
+                                                   {205, 165, 0, 255},
                                                    {110, 170, 40, 255},
                                                    {20, 150, 110, 255},
                                                    {20, 130, 200, 255},
@@ -45,7 +41,7 @@ void LeafLines::read(int64_t row) {
   const RayFrame f = RayFrame::along(view_.axis);
   const auto place = [](const std::vector<int64_t>& cells, int64_t cell) { return std::ranges::lower_bound(cells, cell) - cells.begin(); };
   leaves_.for_each(
-      box_of(band), threads_, [](double) {},
+      cells_below(band), threads_, [](double) {},
       [&](std::span<const Leaf> leaves) {
         for (const Leaf& leaf : leaves) {
           const int64_t size = int64_t{1} << leaf.level, u = leaf.cell[f.u] << leaf.level, v = leaf.cell[f.v] << leaf.level;

@@ -1,20 +1,19 @@
 // The leaves of a refined grid in a picture of a slice: lines between them, in a colour for each level.
 #pragma once
 #include "server/picture/picture.hpp"
-#include "store/refine/leaves.hpp"
+#include "store/refine/leaf_levels.hpp"
 
 namespace teracell::server {
 
 class LeafLines {
  public:
-  // `columns` and `rows` are the cells that the picture's pixels show, ascending. The leaves must be prepared for the slice's box. Keeps references
+  // `columns` and `rows` are the cells that the picture's pixels show, ascending. The leaves must be prepared for cells_below(view). Keeps references
   // to leaves and colours. REQUIRES: the view is of level 0.
   LeafLines(const Leaves& leaves, const SliceView& view, std::vector<int64_t> columns, std::vector<int64_t> rows, int threads, SetColors& colors);
 
   // Draws on a row of pixels: those at the lower sides of leaves that are at least two pixels wide, or high. Rows come in descending order.
   void draw(int64_t row, std::span<uint16_t> pixels);
   static Rgba color(int level);
-  static Box box_of(const SliceView& view);  // the cells of the slice
 
  private:
   void read(int64_t row);

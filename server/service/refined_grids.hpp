@@ -1,5 +1,6 @@
 // Grids that are refined in some way, made ready for the places that were asked for and kept for the next ones.
 #pragma once
+#include <chrono>
 #include <shared_mutex>
 
 #include "server/service/grid_list.hpp"
@@ -16,20 +17,29 @@ class RefinedGrid {
   RefinedGrid(std::shared_ptr<const ServedGrid> grid, const Refinement& refinement, size_t memory)
       : grid_(std::move(grid)), leaves_(grid_->reader(), refinement, temporary_folder(), memory) {}
 
-  // f(leaves), which are prepared for a box of level-0 cells.
+  // f(leaves), which are prepared for a box of level-0 cells. Who is not wanted any more waits no longer for others.
   template <class F>
   auto with(const Box& box, F&& f) const {
-    {
-      std::unique_lock lock(mutex_);
+    for (;;) {
+      {
+        const auto lock = locked<std::shared_lock<std::shared_timed_mutex>>();
+        if (leaves_.is_prepared(box)) return f(std::as_const(leaves_));
+      }
+      const auto lock = locked<std::unique_lock<std::shared_timed_mutex>>();
       leaves_.prepare(box, 1, [](double) { Wanted::stop_if_not(); });
     }
-    std::shared_lock lock(mutex_);
-    return f(std::as_const(leaves_));
   }
 
  private:
+  template <class Lock>
+  Lock locked() const {
+    Lock lock(mutex_, std::defer_lock);
+    while (!lock.try_lock_for(std::chrono::milliseconds(50))) Wanted::stop_if_not();
+    return lock;
+  }
+
   const std::shared_ptr<const ServedGrid> grid_;  // before what refers to it
-  mutable std::shared_mutex mutex_;  // others read while nothing is prepared
+  mutable std::shared_timed_mutex mutex_;  // others read while nothing is prepared
   mutable Leaves leaves_;
 };
 

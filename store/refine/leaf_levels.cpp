@@ -7,7 +7,7 @@
 namespace teracell::inline store {
 namespace {
 
-constexpr int kLeastSubtree = 3;
+constexpr int kBlock = 7;  // the largest subtrees whose leaves are asked for: each makes what it stands on once
 
 }  // namespace
 
@@ -28,12 +28,12 @@ std::vector<uint8_t> leaf_levels(const Leaves& leaves, const SliceView& view) {
     for (int64_t v = v0; v < v1; ++v) std::fill_n(out.begin() + (v - view.v0) * width + u0 - view.u0, u1 - u0, static_cast<uint8_t>(level));
   };
   const Box box = cells_below(view);
-  Leaves::Walk walk(leaves, box, std::max(view.level, kLeastSubtree));
+  Leaves::Walk walk(leaves, box, view.level < 3 ? kBlock : view.level);
   while (const auto subtree = walk.next()) {
     Wanted::stop_if_not();
     if (subtree->level <= leaves.coarsest() && !leaves.is_split(subtree->level, subtree->cell)) {
       fill(subtree->level, subtree->cell);
-    } else if (view.level < kLeastSubtree) {
+    } else if (view.level < 3) {
       const Index3 first = subtree->first();
       for (const LeafInSubtree& leaf : leaves.leaves_of(*subtree, box)) {
         const auto level = static_cast<int>(leaf.level);

@@ -137,11 +137,11 @@ bool Leaves::is_split(int level, const Index3& cell) const {
 }
 
 template <class Sink>
-void Leaves::visit(const Subtree& s, const Box& box, Sink&& sink) const {
-  if (s.level <= kBlockLevel) {  // a whole block won't be asked for again
+void Leaves::visit(const Subtree& s, const Box& box, bool again, Sink&& sink) const {
+  if (s.level <= kBlockLevel) {
     const Index3 at{s.cell[frame_.u] >> (kBlockLevel - s.level), s.cell[frame_.v] >> (kBlockLevel - s.level),
                     s.cell[frame_.w] >> (kBlockLevel - s.level)};
-    Block<Sink>(*this, *splits_.base(at, s.level < kBlockLevel), box, sink).go(s);
+    Block<Sink>(*this, *splits_.base(at, again), box, sink).go(s);
     return;
   }
   Index3 at{};
@@ -150,10 +150,16 @@ void Leaves::visit(const Subtree& s, const Box& box, Sink&& sink) const {
   sink(0, s.level, splits_.label_of({at[frame_.u], at[frame_.v], at[frame_.w]}));
 }
 
-void Leaves::prepare(const Box& box, int threads, const std::function<void(double share)>& progress) {
+Box Leaves::by_rays(const Box& box) const {
   const auto place = [&](const Index3& xyz) { return Index3{xyz[frame_.u], xyz[frame_.v], xyz[frame_.w]}; };
-  splits_.prepare({place(box.lo), place(box.hi)}, threads, progress);
+  return {place(box.lo), place(box.hi)};
 }
+
+void Leaves::prepare(const Box& box, int threads, const std::function<void(double share)>& progress) {
+  splits_.prepare(by_rays(box), threads, progress);
+}
+
+bool Leaves::is_prepared(const Box& box) const { return splits_.is_prepared(by_rays(box)); }
 
 double share_of_walk(const Box& box, const Index3& first) {
   int bit = 0;
@@ -178,7 +184,7 @@ void Leaves::for_each(const Box& box, int threads, const std::function<void(doub
       threads, [&] { return walk.next(); },
       [&](const Subtree& s, int) {
         Found found{s, {}};
-        visit(s, box, [&](uint32_t code, int level, Label label) { found.leaves.push_back({code, static_cast<uint8_t>(level), label}); });
+        visit(s, box, false, [&](uint32_t code, int level, Label label) { found.leaves.push_back({code, static_cast<uint8_t>(level), label}); });
         return found;
       },
       [&](const Found& found) {
@@ -213,7 +219,7 @@ LeafCounts Leaves::count(const Box& box, int threads, const std::function<void(d
         // Leaves that follow each other are mostly alike.
         uint64_t* last = nullptr;
         std::pair<int, Label> what{-1, 0};
-        visit(s, box, [&](uint32_t, int level, Label label) {
+        visit(s, box, false, [&](uint32_t, int level, Label label) {
           if (what != std::pair(level, label)) what = {level, label}, last = &found.counts[what];
           ++*last;
         });
@@ -229,7 +235,7 @@ LeafCounts Leaves::count(const Box& box, int threads, const std::function<void(d
 
 std::vector<LeafInSubtree> Leaves::leaves_of(const Subtree& s, const Box& box) const {
   std::vector<LeafInSubtree> out;
-  visit(s, box, [&](uint32_t code, int level, Label label) { out.push_back({code, static_cast<uint8_t>(level), label}); });
+  visit(s, box, true, [&](uint32_t code, int level, Label label) { out.push_back({code, static_cast<uint8_t>(level), label}); });
   return out;
 }
 

@@ -55,6 +55,7 @@ class Leaves {
   int coarsest() const { return splits_.coarsest(); }
   // To be called before the others, with a box of level-0 cells that holds theirs.
   void prepare(const Box& box, int threads, const std::function<void(double share)>& progress);
+  bool is_prepared(const Box& box) const;
   // Calls take() with the leaves that have a cell in the box, in the order of the Morton codes of their first level-0 cells (bits of x, y, z in turn,
   // x lowest): some thousands at a time, on the calling thread. What they are does not depend on the threads. REQUIRES: prepared.
   void for_each(const Box& box, int threads, const std::function<void(double share)>& progress,
@@ -86,8 +87,10 @@ class Leaves {
  private:
   template <class Sink>
   class Block;
+  Box by_rays(const Box& box) const;
+  // `again`: whether others of the same block will be asked for.
   template <class Sink>
-  void visit(const Subtree& s, const Box& box, Sink&& sink) const;
+  void visit(const Subtree& s, const Box& box, bool again, Sink&& sink) const;
 
   const GridReader& reader_;
   const RayFrame frame_;

@@ -32,11 +32,6 @@ bool lies_in(const Box& a, const Box& b) {
     if (a.lo[d] < b.lo[d] || a.hi[d] > b.hi[d]) return false;
   return true;
 }
-bool holds(const Box& box, const Index3& at) {
-  for (size_t d = 0; d < 3; ++d)
-    if (at[d] < box.lo[d] || at[d] >= box.hi[d]) return false;
-  return true;
-}
 template <class F>
 void for_each_place(const Box& box, F&& f) {  // w fastest
   for (int64_t v = box.lo[1]; v < box.hi[1]; ++v)
@@ -243,7 +238,7 @@ std::optional<BlockSplits> Splits::make_above(const RefinedBlock& block, Bytes* 
   for_each_place(below, [&](const Index3& at) {
     const RefinedBlock kept{block.tier - 1, at};
     const auto it = records.find(kept);
-    if (it == records.end()) return;
+    if (it == records.end() || it->second.bytes == 0) return;
     any = true;
     bytes.resize(it->second.bytes);
     file_.read(it->second.offset, bytes);
@@ -263,15 +258,15 @@ std::optional<BlockSplits> Splits::make_above(const RefinedBlock& block, Bytes* 
   return climb(block, std::move(marks), record);
 }
 
-void Splits::keep(const RefinedBlock& block, const Bytes& record) {
-  if (record.empty()) return;
+Splits::Record Splits::written(const Bytes& record) {
   try {
     file_.write(size_, record);
   } catch (const IoError& e) {
     throw IoError(e.what(), Remedy::kOtherFolder);  // more memory would change nothing
   }
-  records_[static_cast<size_t>(block.tier)][block] = {size_, static_cast<uint32_t>(record.size())};
+  const Record out{size_, static_cast<uint32_t>(record.size())};
   size_ += record.size();
+  return out;
 }
 
 // Makes the records of blocks of a tier and keeps them. next() gives a block and the share of all that lies before it, or nothing.
@@ -281,6 +276,14 @@ void Splits::make_records(int threads, const std::function<void(double share)>& 
     std::pair<RefinedBlock, double> job;
     Bytes record;
   };
+  // They are there for others at the end, however that comes: next() looks at those that were there before, on another thread.
+  struct Made {
+    Splits& splits;
+    std::vector<std::pair<RefinedBlock, Record>> records = {};
+    ~Made() {
+      for (const auto& [block, record] : records) splits.records_[static_cast<size_t>(block.tier)][block] = record;
+    }
+  } made{*this};
   in_order(
       threads, next,
       [&](const std::pair<RefinedBlock, double>& job, int) {
@@ -296,7 +299,7 @@ void Splits::make_records(int threads, const std::function<void(double share)>& 
       },
       [&](const Found& found) {
         progress(found.job.second);
-        keep(found.job.first, found.record);
+        if (!found.record.empty() || found.job.first.tier == 0) made.records.emplace_back(found.job.first, written(found.record));
       },
       16);
 }
@@ -313,7 +316,7 @@ void Splits::prepare_base(const Box& blocks, int threads, const std::function<vo
     const double share = static_cast<double>((at[1] - groups.lo[1]) * wide + at[0] - groups.lo[0]) / static_cast<double>(wide * high);
     if (!quiet(cells, RefinedBlock::kBits + kManyBits))
       for_each_place(group, [&](const Index3& block) {
-        if (std::ranges::none_of(prepared_, [&](const auto& before) { return holds(before[0], block); })) waiting.push_back({{0, block}, share});
+        if (!records_[0].contains({0, block})) waiting.push_back({{0, block}, share});
       });
     if (++at[2] < groups.hi[2]) return;
     at[2] = groups.lo[2];
@@ -331,9 +334,11 @@ void Splits::prepare_base(const Box& blocks, int threads, const std::function<vo
 // From the tier below: of blocks that something there reaches. What is known of it may be more than it was for an earlier box.
 void Splits::prepare_above(int tier, const Box& blocks, int threads, const std::function<void(double share)>& progress) {
   std::set<Index3> reached;
-  for (const auto& [below, record] : records_[static_cast<size_t>(tier - 1)])
+  for (const auto& [below, record] : records_[static_cast<size_t>(tier - 1)]) {
+    if (record.bytes == 0) continue;
     for_each_place(common(covering(grown(covering(below.cells(), 2), 3 * refinement_.layers + 2), RefinedBlock::kBits), blocks),
                    [&](const Index3& block) { reached.insert(block); });
+  }
   auto next = reached.begin();
   make_records(threads, progress, [&]() -> std::optional<std::pair<RefinedBlock, double>> {
     if (next == reached.end()) return std::nullopt;
@@ -341,16 +346,21 @@ void Splits::prepare_above(int tier, const Box& blocks, int threads, const std::
   });
 }
 
-void Splits::prepare(const Box& box, int threads, const std::function<void(double share)>& progress) {
+bool Splits::is_prepared(const Box& box) const {
   const Box cells = common(box, by_rays(reader_.shape(0)));
-  if (cells.empty() || tiers() < 2) return;
-  std::vector<Box> blocks = blocks_for(cells);
-  const auto within = [](const std::vector<Box>& inner, const std::vector<Box>& outer) { return std::ranges::equal(inner, outer, lies_in); };
-  if (std::ranges::any_of(prepared_, [&](const auto& before) { return within(blocks, before); })) return;
+  if (cells.empty() || tiers() < 2) return true;
+  const std::vector<Box> blocks = blocks_for(cells);
+  return std::ranges::any_of(prepared_, [&](const auto& before) { return std::ranges::equal(blocks, before, lies_in); });
+}
+
+// What an exception ends goes on where it was with the next call: records stay, and those of tiers above are made again.
+void Splits::prepare(const Box& box, int threads, const std::function<void(double share)>& progress) {
+  if (is_prepared(box)) return;
+  std::vector<Box> blocks = blocks_for(common(box, by_rays(reader_.shape(0))));
   made_.clear();  // some may have been made of too little
   prepare_base(blocks[0], threads, progress);
   for (int tier = 1; tier + 1 < tiers(); ++tier) prepare_above(tier, blocks[static_cast<size_t>(tier)], threads, progress);
-  std::erase_if(prepared_, [&](const auto& before) { return within(before, blocks); });
+  std::erase_if(prepared_, [&](const auto& before) { return std::ranges::equal(before, blocks, lies_in); });
   prepared_.push_back(std::move(blocks));
 }
 

@@ -41,6 +41,7 @@ class Splits {
   int tiers() const { return (coarsest() + 1) / 2; }
   // Makes ready what get() and base() need for cells of a box of level 0, by u, v, w: what was made for an earlier box isn't made again.
   void prepare(const Box& box, int threads, const std::function<void(double share)>& progress);
+  bool is_prepared(const Box& box) const;
 
   // The rays of a block of tier 0, and what is split of it; neither where nothing in it is split and all its cells have one label.
   struct Base {
@@ -79,7 +80,7 @@ class Splits {
   void make_records(int threads, const std::function<void(double share)>& progress, Next next);
   void prepare_base(const Box& blocks, int threads, const std::function<void(double share)>& progress);
   void prepare_above(int tier, const Box& blocks, int threads, const std::function<void(double share)>& progress);
-  void keep(const RefinedBlock& block, const Bytes& record);
+  Record written(const Bytes& record);
   std::shared_ptr<const Chunk> chunk(const ChunkKey& key) const;
 
   const GridReader& reader_;

@@ -24,7 +24,12 @@ class Window {
     return r.names[r.run_at(static_cast<uint32_t>(w - base_))];
   }
   // Without the chunks, which others may have, too.
-  size_t memory() const { return sizeof *this + rays_.capacity() * sizeof rays_[0]; }
+  size_t memory() const {
+    size_t sum = sizeof *this + rays_.capacity() * sizeof rays_[0];
+    for (const auto& names : joined_names_) sum += sizeof names + names.capacity() * sizeof(Label);
+    for (const auto& ends : joined_ends_) sum += sizeof ends + ends.capacity() * sizeof(uint32_t);
+    return sum;
+  }
 
  private:
   Box box_;

@@ -30,7 +30,7 @@ TEST_CASE("A pixel is drawn on where a leaf begins that is at least two pixels w
     for (int64_t i = 0; i < n[f.v] * each; ++i) rows.push_back(i / each);
 
     std::vector<std::vector<int>> expected(rows.size(), std::vector<int>(columns.size(), -1));
-    for (const Leaf& leaf : leaves_by_definition(meta, cells, refinement, LeafLines::box_of(view))) {
+    for (const Leaf& leaf : leaves_by_definition(meta, cells, refinement, cells_below(view))) {
       const int64_t u0 = leaf.first()[f.u] * each, v0 = leaf.first()[f.v] * each, size = (int64_t{1} << leaf.level) * each;
       const int64_t u1 = std::min(u0 + size, std::ssize(columns)), v1 = std::min(v0 + size, std::ssize(rows));
       for (int64_t v = v0; v < v1; ++v)
@@ -39,7 +39,7 @@ TEST_CASE("A pixel is drawn on where a leaf begins that is at least two pixels w
     }
 
     Leaves leaves(reader, refinement, folder.path());
-    leaves.prepare(LeafLines::box_of(view), 1, [](double) {});
+    leaves.prepare(cells_below(view), 1, [](double) {});
     SetColors colors(meta, 0);
     LeafLines lines(leaves, view, columns, rows, 1, colors);
     constexpr uint16_t kUntouched = 60000;

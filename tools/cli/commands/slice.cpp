@@ -78,7 +78,7 @@ void write_png(const GridReader& reader, const SliceView& view, const SliceArgum
   std::optional<server::LeafLines> lines;
   if (o.refine) {
     leaves.emplace(reader, parse_refinement(reader.meta(), *o.refine, o.want.value_or(""), "--refine", "--want"), temporary_folder());
-    leaves->prepare(server::LeafLines::box_of(view), threads, [](double) { Wanted::stop_if_not(); });
+    leaves->prepare(cells_below(view), threads, [](double) { Wanted::stop_if_not(); });
     const auto all = [](int64_t from, int64_t to) {
       std::vector<int64_t> out(static_cast<size_t>(to - from));
       std::iota(out.begin(), out.end(), from);

@@ -6,7 +6,7 @@ export const MOST_LAYERS = 100;
 export const is_refinement = (coarsest: number, layers: number): boolean =>
   Number.isInteger(coarsest) && coarsest >= 0 && coarsest <= COARSEST && Number.isInteger(layers) && layers >= 1 && layers <= MOST_LAYERS;
 
-const PARTS = 32;
+const PARTS = 64;
 
 // Slabs of a grid that no leaf lies across, so that they can be counted one after another. Each is a box of cells of level 0, half open.
 export function slabs(cells: Index3, coarsest: number): [number, number, number, number, number, number][] {

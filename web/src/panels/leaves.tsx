@@ -30,13 +30,40 @@ function edges(viewer: Viewer, level: number): string {
   return `${lengths.join(" × ")} ${viewer.units}`;
 }
 
+// The levels, whose colours the slices have, and how many leaves there are of each where that is known.
+function Levels({ viewer, coarsest, count }: { viewer: Viewer; coarsest: number; count: LeafCount | null }) {
+  const leaves = (level: number) => count?.leaves.reduce((sum, row) => sum + (row.level === level ? row.leaves : 0), 0);
+  return (
+    <table class="stats">
+      <thead>
+        <tr>
+          <th scope="col">level</th>
+          <th scope="col">cells wide</th>
+          <th scope="col">edges</th>
+          <th scope="col">leaves</th>
+        </tr>
+      </thead>
+      <tbody>
+        {Array.from({ length: coarsest + 1 }, (_, level) => (
+          <tr key={level}>
+            <th scope="row">
+              <span class="swatch" style={{ background: `rgb(${color_of_level(level).join(" ")})` }} aria-hidden="true" />
+              {level}
+            </th>
+            <td>{grouped(2 ** level)}</td>
+            <td>{edges(viewer, level)}</td>
+            <td>{count ? grouped(leaves(level)!) : "–"}</td>
+          </tr>
+        ))}
+      </tbody>
+    </table>
+  );
+}
+
 function Counted({ viewer, count }: { viewer: Viewer; count: LeafCount }) {
   const cells = product(viewer.cells);
-  const sums = (of: (row: LeafCount["leaves"][number]) => string | number) => {
-    const out = new Map<string | number, number>();
-    for (const row of count.leaves) out.set(of(row), (out.get(of(row)) ?? 0) + row.leaves);
-    return [...out];
-  };
+  const materials = new Map<string, number>();
+  for (const { material, leaves } of count.leaves) materials.set(material, (materials.get(material) ?? 0) + leaves);
   return (
     <>
       <p>
@@ -46,40 +73,17 @@ function Counted({ viewer, count }: { viewer: Viewer; count: LeafCount }) {
       <table class="stats">
         <thead>
           <tr>
-            <th scope="col">level</th>
-            <th scope="col">cells wide</th>
-            <th scope="col">edges</th>
-            <th scope="col">leaves</th>
-          </tr>
-        </thead>
-        <tbody>
-          {sums(({ level }) => level).map(([level, leaves]) => (
-            <tr key={level}>
-              <th scope="row">
-                <span class="swatch" style={{ background: `rgb(${color_of_level(level as number).join(" ")})` }} aria-hidden="true" />
-                {level}
-              </th>
-              <td>{grouped(2 ** (level as number))}</td>
-              <td>{edges(viewer, level as number)}</td>
-              <td>{grouped(leaves)}</td>
-            </tr>
-          ))}
-        </tbody>
-      </table>
-      <table class="stats">
-        <thead>
-          <tr>
             <th scope="col">material</th>
             <th scope="col">leaves</th>
             <th scope="col">share</th>
           </tr>
         </thead>
         <tbody>
-          {sums(({ material }) => material).map(([name, leaves]) => (
+          {[...materials].map(([name, leaves]) => (
             <tr key={name}>
               <th scope="row">
                 <Swatch look={viewer.looks.value[viewer.info.materials.findIndex((m) => m.name === name)]} />
-                <span title={String(name)}>{name}</span>
+                <span title={name}>{name}</span>
               </th>
               <td>{grouped(leaves)}</td>
               <td>{percent(leaves / count.total)}</td>
@@ -108,30 +112,39 @@ function Count({ viewer, refinement }: { viewer: Viewer; refinement: Refinement 
   };
   const path = viewer.address.leaf_count(refinement, [0, 0, 0, ...viewer.cells]);
   const answer = use_answer<LeafCount>(asked ? path : null, count_all);
-  if (!asked)
-    return (
-      <div class="toolbar">
-        <button class="button" onClick={() => set_asked(true)}>
-          Count the leaves
-        </button>
-        <span class="note">In a grid of this size it may take a minute.</span>
-      </div>
-    );
-  if (answer.error) return <p class="problem">The leaves can't be counted: {answer.error}</p>;
-  if (!answer.value || answer.path !== path)
-    return (
-      <p class="note" role="status">
-        Counting the leaves … {percent(done.value)}
-      </p>
-    );
-  return <Counted viewer={viewer} count={answer.value} />;
+  const count = answer.path === path ? answer.value : null;
+  return (
+    <>
+      <Levels viewer={viewer} coarsest={refinement.coarsest} count={count} />
+      {!asked && (
+        <div class="toolbar">
+          <button class="button" onClick={() => set_asked(true)}>
+            Count the leaves
+          </button>
+          <span class="note">In a grid of this size it takes minutes.</span>
+        </div>
+      )}
+      {answer.error && (
+        <p class="problem" role="alert">
+          {answer.error}
+        </p>
+      )}
+      {asked && !answer.error && !count && (
+        <p class="note" role="status">
+          Counting the leaves … {percent(done.value)}
+        </p>
+      )}
+      {count && <Counted viewer={viewer} count={count} />}
+    </>
+  );
 }
 
 export function LeavesPanel({ viewer }: { viewer: Viewer }) {
   const refinement = viewer.refinement.value;
   const { coarsest, layers, want } = refinement;
   const set = (change: Partial<Refinement>) => (viewer.refinement.value = { ...viewer.refinement.value, ...change });
-  const more = want ? ` --want ${quoted(want)}` : "";
+  const command = (name: string) => `teracell ${name} ${quoted(`${viewer.info.id}.tcell`)}`;
+  const refined = ` --refine ${coarsest},${layers}${want ? ` --want ${quoted(want)}` : ""}`;
   return (
     <section>
       <h3>Refined grid</h3>
@@ -175,10 +188,11 @@ export function LeavesPanel({ viewer }: { viewer: Viewer }) {
       </label>
       <Count key={JSON.stringify(refinement)} viewer={viewer} refinement={refinement} />
       <h4>Write it</h4>
+      <CodeLine class="code-line" text={`${command("export")} --format openfoam${refined} -o case`} what="the command that writes a mesh for OpenFOAM" />
       <CodeLine
         class="code-line"
-        text={`teracell export ${quoted(`${viewer.info.id}.tcell`)} --format openfoam --refine ${coarsest},${layers}${more} -o case`}
-        what="the command that writes a mesh for OpenFOAM"
+        text={`${command("slice")} --axis z --index ${viewer.slice[2].value}${refined} -o leaves.png`}
+        what="the command that draws a slice with its leaves"
       />
     </section>
   );

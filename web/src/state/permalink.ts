@@ -100,7 +100,9 @@ export function read_address(viewer: Viewer): void {
       if (value === "0" || value === "1") viewer[name].value = value === "1";
     }
     const refine = numbers(query.get("refine"), 2);
-    if (refine && is_refinement(refine[0]!, refine[1]!)) viewer.refinement.value = { coarsest: refine[0]!, layers: refine[1]!, want: query.get("want") ?? "" };
+    const { coarsest, layers } = viewer.standard_refinement;
+    const [m, n] = refine && is_refinement(refine[0]!, refine[1]!) ? (refine as [number, number]) : [coarsest, layers];
+    if (refine || query.has("want")) viewer.refinement.value = { coarsest: m, layers: n, want: query.get("want") ?? "" };
     const box = numbers(query.get("box"), 6);
     if (box?.every(Number.isInteger)) {
       const outside = outside_box(viewer.axes, box);
@@ -154,7 +156,7 @@ export function address_of(viewer: Viewer): string {
   const standard = viewer.standard_switches;
   for (const [key, name] of Object.entries(SWITCHES)) if (viewer[name].value !== standard[name]) start.set(key, viewer[name].value ? "1" : "0");
   const { coarsest, layers, want } = viewer.refinement.value;
-  if (viewer.refinement.value !== viewer.standard_refinement) start.set("refine", `${coarsest},${layers}`);
+  if (coarsest !== viewer.standard_refinement.coarsest || layers !== viewer.standard_refinement.layers) start.set("refine", `${coarsest},${layers}`);
   if (want) start.set("want", want);
   if (viewer.box.value) start.set("box", viewer.box.value.join(","));
   if (viewer.pinned.value) start.set("pin", viewer.pinned.value.join(","));

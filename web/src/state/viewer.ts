@@ -57,7 +57,7 @@ export interface Comparison {
 export type Shared = Partial<
   Pick<
     Viewer,
-    | "bounds" | "finest" | "cell" | "centre" | "zoom" | "looks" | "body_looks" | "layout" | "help" | "show_axes" | "show_scale" | "show_lines" | "show_outline"
+    | "bounds" | "finest" | "cell" | "centre" | "zoom" | "looks" | "body_looks" | "layout" | "help" | "show_axes" | "show_scale" | "show_lines" | "show_outline" | "show_leaves" | "refinement"
     | "tool" | "measure" | "measuring" | "box"
   >
 >;

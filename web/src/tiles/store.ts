@@ -49,6 +49,8 @@ export const LIMITS = { bytes: 96 * 2 ** 20, requests: 6, ahead: 4, retry_ms: 10
 export class TileStore<T extends Held> {
   // Called when a tile came or failed.
   on_change: () => void = () => {};
+  // Called when the server refuses what the source asks for: such a tile is not asked for again, nor missed.
+  on_refused: (error: ServerError) => void = () => {};
   private readonly tiles = new Map<string, T>(); // least recently used first
   private readonly flights = new Map<string, Flight>();
   private readonly failures = new Map<string, Failure>();
@@ -192,9 +194,9 @@ export class TileStore<T extends Held> {
     const count = (this.failures.get(name)?.count ?? 0) + 1;
     // Bytes that do not form a tile mean damage, just like an answer that says so. A connection that ends too early
     // (TypeError) does not.
-    const damaged = error instanceof ServerError ? error.status === 500 : !(error instanceof TypeError);
-    // What was refused would be refused again.
     const refused = error instanceof ServerError && error.status === 400;
+    const damaged = refused || (error instanceof ServerError ? error.status === 500 : !(error instanceof TypeError));
+    if (refused) this.on_refused(error);
     const wait = refused ? Number.POSITIVE_INFINITY : damaged ? this.limits.retry_most_ms : Math.min(this.limits.retry_ms * 2 ** (count - 1), this.limits.retry_most_ms);
     this.failures.set(name, { count, until: performance.now() + wait, damaged });
   }

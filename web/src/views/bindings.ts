@@ -27,7 +27,7 @@ export const slice_bindings: readonly Binding[] = [
   { keys: "l", does: "show or hide the lines between cells, and on graded axes the smallest one" },
   { keys: "o", does: "show or hide the outlines of materials" },
   { keys: "s", does: "show mixed cells by their shares, where the grid has them, or as cells of one material" },
-  { keys: "r", does: "show or hide the leaves of the refined grid" },
+  { keys: "r", does: "show or hide the leaves of the refined grid, in place of the lines between cells" },
   { keys: "m", does: "measure a distance with one drag; its ends snap to boundaries, with alt they do not" },
   { keys: "t, shift + click", does: "measure how thick the material of the cell is" },
   { keys: "Enter", does: "while measuring: begin or end the line at the crosshair" },

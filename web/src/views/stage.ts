@@ -4,6 +4,7 @@
 import { type ReadonlySignal, type Signal, effect, signal } from "@preact/signals";
 import { FRAMES } from "../base/axis";
 import { AXIS_NAMES, type AxisIndex } from "../base/grid";
+import { say, words_of } from "../base/messages";
 import { get } from "../server/api";
 import { returned } from "../server/connection";
 import { on_theme } from "../state/theme";
@@ -95,6 +96,12 @@ export class Stage {
       FOR_LEAVES,
     );
     for (const store of [this.store, this.leaves]) store.on_change = () => this.invalidate();
+    let told = "";
+    this.leaves.on_refused = (error) => {
+      const text = `The leaves can't be drawn: ${words_of(error)}.`;
+      if (text !== told) say(text);
+      told = text;
+    };
   }
 
   // Starts to draw, with the colours that the style sheet gives to `host`. Returns a function that ends it.

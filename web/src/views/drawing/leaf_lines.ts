@@ -10,7 +10,7 @@ import type { SampleCells } from "./camera";
 const COLORS: readonly Rgb[] = [
   [200, 30, 30],
   [230, 110, 20],
-  [220, 180, 20],
+  [205, 165, 0],
   [110, 170, 40],
   [20, 150, 110],
   [20, 130, 200],
