@@ -14,6 +14,7 @@
 #include "mesher/run/part_found.hpp"
 #include "mesher/run/prepared_run.hpp"
 #include "mesher/run/tiled_facets.hpp"
+#include "store/base/system/system.hpp"
 #include "store/write/part.hpp"
 #include "store/write/writer.hpp"
 
@@ -167,7 +168,7 @@ class MeshRun {
 
   void describe_run(const TiledFacets& facets) {
     RunReport& run = run_.run;
-    run.peak_memory_bytes = peak_memory_bytes() + facets.bytes_in_bins();
+    run.peak_memory_bytes = system::peak_bytes() + facets.bytes_in_bins();
     run.threads = run_.threads;
     run.engine = options_.engine;
     run.exact_decisions = totals_.exact_decisions;
@@ -197,14 +198,6 @@ std::vector<std::string> MeshReport::warnings() const {
   for (const auto& [body, trust] : run.trust)
     if (std::string words = trust_warning(trust, body); !words.empty()) out.push_back(std::move(words));
   return out;
-}
-
-// From /proc, because getrusage() has the peak of the program that launched this one, if that was larger.
-uint64_t peak_memory_bytes() {
-  std::ifstream status("/proc/self/status");
-  for (std::string word; status >> word;)
-    if (uint64_t kib; word == "VmHWM:" && status >> kib) return kib * 1024;
-  return 0;
 }
 
 std::filesystem::path part_path(const std::filesystem::path& output, const Shard& shard) {

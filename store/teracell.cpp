@@ -2,7 +2,6 @@
 #include "store/teracell.h"
 
 #include <cxxabi.h>
-#include <sched.h>
 
 #include <algorithm>
 #include <atomic>
@@ -13,6 +12,7 @@
 
 #include <fmt/format.h>
 
+#include "store/base/system/system.hpp"
 #include "store/base/wanted.hpp"
 #include "store/channels/fraction_reader.hpp"
 #include "store/channels/link_reader.hpp"
@@ -155,9 +155,7 @@ int axis_of(int axis) {
 int threads_of(int threads) {
   if (threads < 0 || threads > 1024) throw UsageError(fmt::format("threads: expected 0 (one per core) to 1024, found {}", threads));
   if (threads > 0) return threads;
-  cpu_set_t cores;  // those that this thread may run on: a rank that is bound to one core takes one
-  if (sched_getaffinity(0, sizeof cores, &cores) == 0) return std::max(1, CPU_COUNT(&cores));
-  return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  return system::cores();
 }
 
 Index3 index_of(const int64_t* from, const char* name) {

@@ -19,6 +19,7 @@
 
 #include "mesher/surface/facet.hpp"
 #include "store/base/error.hpp"
+#include "store/base/system/system.hpp"
 #include "store/text/json_text.hpp"
 #include "store/text/text.hpp"
 #include "store/text/words.hpp"
@@ -69,9 +70,9 @@ int wait_for(pid_t process) {
 
 std::filesystem::path kernel_program(const std::string& name) {
   std::error_code error;
-  const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", error);
+  const std::filesystem::path self = system::own_program();
   std::vector<std::filesystem::path> folders;
-  if (!error) folders.push_back(self.parent_path());
+  if (!self.empty()) folders.push_back(self.parent_path());
   const char* const path = std::getenv("PATH");
   for (std::string_view rest = path ? path : ""; !rest.empty();) {
     const size_t end = std::min(rest.find(':'), rest.size());

@@ -10,6 +10,7 @@
 #include "mesher/report/report_json.hpp"
 #include "mesher/run/checkpoint.hpp"
 #include "mesher/run/part_found.hpp"
+#include "store/base/system/system.hpp"
 
 namespace teracell::mesher {
 namespace {
@@ -173,7 +174,7 @@ MeshReport merge(const std::vector<std::filesystem::path>& paths, const std::fil
   out.run.phases.push_back({"merge", std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count()});
   out.run.file_bytes = writer.bytes();
   out.run.exact_decisions = totals.exact_decisions;
-  out.run.peak_memory_bytes = peak_memory_bytes();
+  out.run.peak_memory_bytes = system::peak_bytes();
   out.scene = std::move(surfaces->scene);
   return out;
 }

@@ -7,6 +7,7 @@
 #include "mesher/report/report_json.hpp"
 #include "mesher/run/part_found.hpp"
 #include "store/base/error.hpp"
+#include "store/base/system/system.hpp"
 #include "store/base/zstd_frame.hpp"
 
 namespace teracell::mesher {
@@ -123,7 +124,7 @@ MeshReport Pieces::report(const CastTotals& totals) {
   out.run.engine = run_.options.engine;
   out.run.exact_decisions = totals.exact_decisions;
   out.run.spilled_bytes = facets_.spilled_bytes();
-  out.run.peak_memory_bytes = peak_memory_bytes() + facets_.bytes_in_bins();
+  out.run.peak_memory_bytes = system::peak_bytes() + facets_.bytes_in_bins();
   out.scene = run_.scene;
   out.caps_written = run_.caps();
   return out;

@@ -9,6 +9,7 @@
 #include "mesher/scene/placement.hpp"
 #include "mesher/thin/marker.hpp"
 #include "store/base/error.hpp"
+#include "store/base/system/system.hpp"
 #include "store/base/zstd_frame.hpp"
 #include "store/format/format.hpp"
 #include "store/text/json_writer.hpp"
@@ -30,7 +31,7 @@ PreparedRun::PreparedRun(const Scene& of, const std::filesystem::path& output, c
       output_(output.string()),
       progress_(progress),
       stop_(stop) {
-  give_back_memory();
+  system::give_back_memory();
   bodies = read_scene(scene, options, threads, budget, counts, [this](const char* phase, double share) { this->progress(phase, share); });
   end_phase("read");
   plan = make_plan(scene, bodies, options.axis, options.chunk_rays, options.fractions, options.links);

@@ -1,11 +1,10 @@
 #include "mesher/run/read_scene.hpp"
 
-#include <malloc.h>
-
 #include <algorithm>
 #include <thread>
 
 #include "mesher/cad/idle_kernels.hpp"
+#include "store/base/system/system.hpp"
 
 namespace teracell::mesher {
 
@@ -24,14 +23,8 @@ Bodies read_scene(const Scene& scene, const MeshOptions& options, int threads, c
                            [&](double share) { progress("read", share); });
   cad.kernels->end();
   complete_flat_faces(scene, budget, out);
-  give_back_memory();
+  system::give_back_memory();
   return out;
-}
-
-void give_back_memory() {
-#ifdef __GLIBC__
-  ::malloc_trim(0);
-#endif
 }
 
 }  // namespace teracell::mesher

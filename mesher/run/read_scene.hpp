@@ -14,7 +14,5 @@ int threads_of(const MeshOptions& options);
 Bodies read_scene(const Scene& scene, const MeshOptions& options, int threads, const Budget& budget, bool count,
                   const std::function<void(const char* phase, double share)>& progress);
 
-// Gives freed memory back to the system, which the allocator would keep: that of a large scene's JSON, and of facets that were dropped.
-void give_back_memory();
 
 }  // namespace teracell::mesher

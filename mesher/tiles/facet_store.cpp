@@ -8,7 +8,7 @@ std::span<SceneFacet> FacetStore::append(std::span<const Facet> facets, uint32_t
   const uint64_t used = size_ % kPiece;
   if (used == 0) {
     pieces_.push_back(std::make_unique_for_overwrite<SceneFacet[]>(kPiece));
-    if (size_ != 0) populate(pieces_.back().get(), kPiece * sizeof(SceneFacet));  // not the first one, which small scenes don't fill
+    if (size_ != 0) system::populate(pieces_.back().get(), kPiece * sizeof(SceneFacet));  // not the first one, which small scenes don't fill
   }
   SceneFacet* const first = pieces_.back().get() + used;
   const size_t count = std::min<size_t>(facets.size(), kPiece - used);

@@ -97,12 +97,6 @@ std::string metrics_text(const Metrics& m, const ServerState& state) {
   return out;
 }
 
-uint64_t resident_bytes() {
-  uint64_t total = 0, resident = 0;
-  std::ifstream("/proc/self/statm") >> total >> resident;
-  return resident * static_cast<uint64_t>(sysconf(_SC_PAGESIZE));
-}
-
 Handler with_operations(Handler inner, const Metrics& metrics, std::function<ServerState()> state) {
   const auto operation = [&metrics, state = std::move(state)](const Request& request) -> std::optional<Response> {
     const std::string_view path = path_of(request.target);

@@ -37,12 +37,6 @@ DescriptorShares allowed_descriptors(const DescriptorShares& wanted, uint64_t al
   return {std::min(wanted.connections, rest - files), files, wanted.others};
 }
 
-uint64_t open_descriptors() {
-  std::error_code ignored;
-  const std::filesystem::directory_iterator all("/proc/self/fd", ignored);
-  return static_cast<uint64_t>(std::distance(begin(all), end(all)));
-}
-
 DescriptorShares share_descriptors(const DescriptorShares& wanted) {
   rlimit limit{};
   if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return wanted;

@@ -17,8 +17,6 @@ DescriptorShares wanted_descriptors(uint64_t connections, uint64_t grids, uint64
 // As much of it as is allowed. Files give way before connections, but keep a quarter. Throws IoError when that is too little to serve.
 DescriptorShares allowed_descriptors(const DescriptorShares& wanted, uint64_t allowed);
 
-// Those of this process.
-uint64_t open_descriptors();
 // As much as is allowed once the limit is raised, as far as it is useful and the system permits.
 DescriptorShares share_descriptors(const DescriptorShares& wanted);
 

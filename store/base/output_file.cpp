@@ -11,6 +11,7 @@
 
 #include "store/base/error.hpp"
 #include "store/base/partial.hpp"
+#include "store/base/system/system.hpp"
 
 namespace teracell::inline store {
 namespace {
@@ -124,13 +125,11 @@ void OutputFile::flush() {
 
 // The disk begins to write while the rest is made, so there is less to wait for at the end. It is only a hint.
 void OutputFile::begin_write_back() {
-#ifdef __linux__
   constexpr uint64_t kStretch = uint64_t{8} << 20;
   const uint64_t written = size_ - buffer_.size();
   if (written - written_back_ < kStretch) return;
-  ::sync_file_range(file_.get(), static_cast<off_t>(written_back_), static_cast<off_t>(written - written_back_), SYNC_FILE_RANGE_WRITE);
+  system::begin_write_back(file_.get(), written_back_, written - written_back_);
   written_back_ = written;
-#endif
 }
 
 void OutputFile::read_kept(uint64_t offset, std::span<uint8_t> out) const {

@@ -8,6 +8,7 @@
 
 #include "store/base/error.hpp"
 #include "store/base/partial.hpp"
+#include "store/base/system/system.hpp"
 
 namespace teracell::inline store {
 namespace {
@@ -85,8 +86,7 @@ void OutputFolder::commit() {
   const bool replaces = std::filesystem::exists(std::filesystem::symlink_status(target_, ignored));
   const Descriptor old(replaces ? ::open(target_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC) : -1);
   if (old) lock(old, target_, target_, "folder");
-  if (::renameat2(AT_FDCWD, partial_.c_str(), AT_FDCWD, target_.c_str(), replaces ? RENAME_EXCHANGE : 0) != 0)
-    fail_at(partial_, "can't rename to its final name", errno);
+  if (const int error = system::rename_folder(partial_, target_, replaces); error != 0) fail_at(partial_, "can't rename to its final name", error);
   lock_.close();
   const int unsynced = sync_name(target_);  // before the older folder goes
   std::error_code error;

@@ -4,13 +4,11 @@
 #include <cstdlib>
 #include <cstring>
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/mman.h>
 #include <sys/statvfs.h>
-#include <unistd.h>
 
 #include "store/base/error.hpp"
+#include "store/base/system/system.hpp"
 
 namespace teracell::inline store {
 
@@ -20,7 +18,7 @@ std::filesystem::path temporary_folder() {
 }
 
 SpillFile::SpillFile(const std::filesystem::path& folder, uint64_t expected, bool in_memory) : folder_(folder.string()) {
-  if (in_memory) file_ = Descriptor(::memfd_create("teracell", MFD_CLOEXEC));
+  if (in_memory) file_ = Descriptor(system::file_in_memory());
   in_memory_ = bool{file_};
   if (in_memory_) return;
   struct statvfs disk;
@@ -29,13 +27,8 @@ SpillFile::SpillFile(const std::filesystem::path& folder, uint64_t expected, boo
   if (const uint64_t room = uint64_t{disk.f_bavail} * disk.f_frsize; room < expected)
     throw IoError(fmt::format("{}: expected {} bytes of free space for temporary files, found {}", folder_, expected, room),
                   Remedy::kOtherFolderOrMoreMemory);
-  file_ = Descriptor(::open(folder_.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600));
-  if (!file_) {  // not every file system supports files without names
-    std::string name = (folder / "teracell-XXXXXX").string();
-    file_ = Descriptor(::mkostemp(name.data(), O_CLOEXEC));
-    if (!file_) throw IoError(fmt::format("{}: can't create a temporary file: {}", folder_, std::strerror(errno)), Remedy::kOtherFolder);
-    ::unlink(name.c_str());
-  }
+  file_ = Descriptor(system::file_without_name(folder));
+  if (!file_) throw IoError(fmt::format("{}: can't create a temporary file: {}", folder_, std::strerror(errno)), Remedy::kOtherFolder);
 }
 
 void SpillFile::write(uint64_t offset, std::span<const uint8_t> bytes) {

@@ -37,8 +37,8 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/sanitized.hpp"

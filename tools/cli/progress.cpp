@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include "server/operations/metrics.hpp"
+#include "store/base/system/system.hpp"
 #include "store/base/wanted.hpp"
 #include "store/grid/number_text.hpp"
 #include "tools/cli/command.hpp"
@@ -44,7 +45,7 @@ void ProgressLine::operator()(const char* phase, double share) {
     if (cells_ > 0 && phase_ == counted_phase_) line += fmt::format(", {} cells/s", number_text(cells_ * share / seconds, 3));
     line += fmt::format(", {} left", duration(seconds * (1 - share) / share));
   }
-  line += ", " + bytes_text(static_cast<double>(server::resident_bytes()));
+  line += ", " + bytes_text(static_cast<double>(system::resident_bytes()));
   // Not fmt::print(), which throws when stderr is closed: work must not fail for that.
   std::fputs((mode_ == Mode::kLine ? "\r\033[K" + line : line + "\n").c_str(), stderr);
   std::fflush(stderr);

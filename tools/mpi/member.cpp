@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "store/base/error.hpp"
+#include "store/base/system/system.hpp"
 
 namespace teracell::mpi {
 
@@ -61,7 +62,7 @@ bool Member::step() {
   if (file_) file_->sync();
   sync_ = false;
   Bytes body;
-  put_varint(body, mesher::peak_memory_bytes());
+  put_varint(body, system::peak_bytes());
   ranks_.send(0, Tag::kSynced, std::move(body));
   return true;
 }

@@ -1,10 +1,9 @@
 // teracell_mpi: what `teracell mesh` does, by all processes that mpirun starts. The file has the same bytes.
-#include <sched.h>
-
 #include <fmt/format.h>
 #include <thread>
 
 #include "store/base/error.hpp"
+#include "store/base/system/system.hpp"
 #include "tools/cli/commands/mesh_options.hpp"
 #include "tools/cli/commands/mesh_summary.hpp"
 #include "tools/cli/program.hpp"
@@ -18,9 +17,9 @@ using std::chrono::milliseconds;
 
 // Of the cores that this rank may use, its share when other ranks may use the same ones.
 int default_threads(const Ranks& ranks) {
-  cpu_set_t allowed;
-  if (sched_getaffinity(0, sizeof allowed, &allowed) != 0) return std::max(1, cli::threads_or_all(0) / ranks.on_this_machine());
-  return std::max(1, CPU_COUNT(&allowed) / ranks.with_same({reinterpret_cast<const uint8_t*>(&allowed), sizeof allowed}));
+  const std::string set = system::core_set();
+  if (set.empty()) return std::max(1, system::cores() / ranks.on_this_machine());
+  return std::max(1, system::cores() / ranks.with_same({reinterpret_cast<const uint8_t*>(set.data()), set.size()}));
 }
 
 // Ranks would each take some of what can be read only once.

@@ -15,7 +15,7 @@
 namespace teracell::mesher {
 namespace {
 
-using Catch::Matchers::Contains;
+using Catch::Contains;
 using testing::TempFolder;
 
 const std::vector<Vec3> kCorners = {{0, 0, 0}, {2, 0, 0}, {0, 2, 0}, {0, 0, 2}};

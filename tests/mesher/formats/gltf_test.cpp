@@ -4,7 +4,7 @@
 using namespace teracell;
 using namespace teracell::mesher;
 using namespace teracell::surfaces;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 
 namespace {
 

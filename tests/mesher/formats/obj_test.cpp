@@ -5,7 +5,7 @@
 using namespace teracell;
 using namespace teracell::mesher;
 using namespace teracell::surfaces;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 
 TEST_CASE("OBJ: every way to name a vertex") {
   const std::string vertices = "v 0 0 0 1.0\nv 1 0 0 0.1 0.2 0.3\nvt 0 0\nvn 0 0 1\nv 0 1 0\nv 0 0 0.5\n";

@@ -4,7 +4,7 @@
 using namespace teracell;
 using namespace teracell::mesher;
 using namespace teracell::surfaces;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 
 TEST_CASE("PLY: elements and properties of no use are skipped, lists too") {
   const std::string header =

@@ -4,7 +4,7 @@
 using namespace teracell;
 using namespace teracell::mesher;
 using namespace teracell::surfaces;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 
 TEST_CASE("Binary STL: a file with fewer facets than the header counts is refused") {
   const std::string whole = binary_stl(tetrahedron());

@@ -35,7 +35,7 @@ TEST_CASE("deflection is a length as a number, and a number of cells as text; a 
 }
 
 TEST_CASE("a wrong deflection, angle or face_patches says where, expected, found", "[scene]") {
-  using Catch::Matchers::Contains;
+  using Catch::Contains;
   for (const char* value : {R"("c")", R"("0.1")", R"("0.1 c")", R"("0.1cells")", R"("-1c")", R"("0c")", R"("nanc")", R"("infc")", R"("1e99c")"}) {
     INFO(value);
     CHECK_THAT(refusal_of(std::string(R"("deflection": )") + value), Contains("bodies[0].deflection") && Contains("0.1c"));

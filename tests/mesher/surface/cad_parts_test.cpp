@@ -7,7 +7,7 @@
 namespace teracell::mesher {
 namespace {
 
-using Catch::Matchers::Contains;
+using Catch::Contains;
 
 Matrix moved_by(double x, double scale = 1) { return {scale, 0, 0, x, 0, scale, 0, 0, 0, 0, scale, 0}; }
 

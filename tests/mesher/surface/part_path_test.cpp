@@ -1,7 +1,7 @@
 // Names of parts, and globs for them.
 #include "mesher/surface/part_path.hpp"
 
-#include <catch2/catch.hpp>
+#include "tests/support/catch.hpp"
 
 using namespace teracell::mesher;
 

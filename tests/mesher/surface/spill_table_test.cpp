@@ -6,7 +6,7 @@
 using namespace teracell;
 using namespace teracell::mesher;
 using namespace teracell::surfaces;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 
 namespace {
 

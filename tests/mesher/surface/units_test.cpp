@@ -1,7 +1,7 @@
 // Coordinates from one unit into another, against exact arithmetic.
 #include "mesher/surface/units.hpp"
 
-#include <catch2/catch.hpp>
+#include "tests/support/catch.hpp"
 
 #include <cmath>
 #include <random>

@@ -1,4 +1,5 @@
 // What clients share, what they have to wait for, and what ends their waiting.
+#include "store/base/system/system.hpp"
 #include "tests/server/http/listening.hpp"
 #include "tests/support/pipe.hpp"
 #include "tests/support/stored.hpp"
@@ -298,7 +299,7 @@ TEST_CASE("400 idle and half-sent connections: health at once, then they are dro
   const size_t descriptors = teracell::testing::open_descriptors();
   {
     Fixture f({.max_connections_per_client = 1000, .request_timeout = 2s});
-    const uint64_t before = resident_bytes();
+    const uint64_t before = system::resident_bytes();
     {
       std::vector<std::unique_ptr<HttpClient>> clients;
       for (int i = 0; i < 400; ++i) {
@@ -309,7 +310,7 @@ TEST_CASE("400 idle and half-sent connections: health at once, then they are dro
       const auto start = std::chrono::steady_clock::now();
       CHECK(f.get("/healthz").status == 200);
       CHECK(std::chrono::steady_clock::now() - start < 500ms);
-      CHECK(resident_bytes() < before + (uint64_t{64} << 20));
+      CHECK(system::resident_bytes() < before + (uint64_t{64} << 20));
       REQUIRE(soon([&] { return f.metrics.connections == 0; }));
       CHECK(f.metrics.slow_requests == 200);
       CHECK(f.metrics.idle == 200);

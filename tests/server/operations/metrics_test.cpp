@@ -1,6 +1,7 @@
 // The texts of /metrics and /healthz, read line by line as Prometheus reads them.
 #include "server/operations/metrics.hpp"
 
+#include "store/base/system/system.hpp"
 #include "tests/support/test.hpp"
 
 using namespace teracell;
@@ -124,7 +125,7 @@ TEST_CASE("the state of caches, files, connections and memory", "[server][metric
   CHECK(s.at("teracell_connections") == 3);
   CHECK(s.at("teracell_held_bytes") == 5);
   CHECK(s.at(R"(teracell_connections_dropped_total{reason="full"})") == 4);
-  CHECK(resident_bytes() > 1e6);
+  CHECK(system::resident_bytes() > 1e6);
 }
 
 TEST_CASE("health and metrics are answered before the inner handler is asked", "[server][metrics]") {

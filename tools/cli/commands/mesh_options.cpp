@@ -15,26 +15,12 @@
 #include "mesher/surface/units.hpp"
 #include "store/base/error.hpp"
 #include "store/base/output_file.hpp"
+#include "store/base/system/system.hpp"
 
 namespace teracell::cli {
 namespace {
 
 const std::vector<std::string> kFills(kFillNames.begin(), kFillNames.end());
-
-// What this process may take: the machine's, or less where a batch system or a container limits its control group or one above it.
-uint64_t machine_memory() {
-  uint64_t out = static_cast<uint64_t>(::sysconf(_SC_PHYS_PAGES)) * static_cast<uint64_t>(::sysconf(_SC_PAGESIZE));
-  std::ifstream groups("/proc/self/cgroup");
-  for (std::string line; std::getline(groups, line);) {
-    if (!line.starts_with("0::/")) continue;  // version 2
-    for (std::filesystem::path group = line.substr(4);; group = group.parent_path()) {
-      uint64_t limit = 0;  // stays 0 for "max"
-      if (std::ifstream("/sys/fs/cgroup" / group / "memory.max") >> limit && limit > 0) out = std::min(out, limit);
-      if (group.empty()) break;
-    }
-  }
-  return out;
-}
 
 // --shard I/N.
 std::optional<mesher::Shard> parse_shard(const std::string& text) {
@@ -217,7 +203,7 @@ mesher::MeshOptions mesh_options(const MeshArguments& o, int share) {
   if (o.axis != "auto") options.axis = parse_axis(o.axis);
   options.engine = o.engine;
   options.threads = o.threads;
-  options.memory = o.memory.empty() ? machine_memory() / 4 / static_cast<uint64_t>(share) : parse_size(o.memory, "--memory");
+  options.memory = o.memory.empty() ? system::memory() / 4 / static_cast<uint64_t>(share) : parse_size(o.memory, "--memory");
   if (!o.tmp.empty() && !std::filesystem::is_directory(o.tmp))
     throw IoError(
         fmt::format("{}: no folder for temporary files: {}", o.tmp, std::filesystem::exists(o.tmp) ? "Not a directory" : "No such file or directory"),

@@ -1,6 +1,5 @@
 // teracell serve: grids over HTTP.
 #include <fcntl.h>
-#include <malloc.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -16,6 +15,7 @@
 #include "server/page/web.hpp"
 #include "server/service/descriptors.hpp"
 #include "server/service/grids_watch.hpp"
+#include "store/base/system/system.hpp"
 #include "store/text/text.hpp"
 #include "tools/cli/commands/serve_options.hpp"
 #include "tools/cli/notice.hpp"
@@ -45,7 +45,7 @@ server::Listener listen_with(const server::ListenerOptions& options, server::Han
 
 server::ServerState state_of(server::Service& service, const server::AccessLog& log) {
   const server::ReadCounters& c = service.counters();
-  return {service.caches(), service.grids().all().size(), c.reads, c.bytes, c.damaged, log.dropped(), server::resident_bytes(), TERACELL_VERSION};
+  return {service.caches(), service.grids().all().size(), c.reads, c.bytes, c.damaged, log.dropped(), system::resident_bytes(), TERACELL_VERSION};
 }
 
 // How many descriptors would serve the grids and the connections best.
@@ -53,7 +53,7 @@ server::DescriptorShares wanted_descriptors(const ServeArguments& o, int threads
   const bool fetches = std::ranges::any_of(o.grids, is_address);
   const uint64_t fetching = fetches ? kMostFetches * (static_cast<uint64_t>(threads) + kMoreThreads) : 0;
   return server::wanted_descriptors(o.max_connections, server::count_grids({o.grids.begin(), o.grids.end()}), static_cast<uint64_t>(threads),
-                                    server::open_descriptors() + fetching);
+                                    system::open_descriptors() + fetching);
 }
 
 void run(const ServeArguments& o) {
@@ -64,7 +64,7 @@ void run(const ServeArguments& o) {
   listen.max_connections_per_client = std::max<uint64_t>(1, listen.max_connections / 4);
   // One thread allocates a chunk, another frees it. With one heap per thread a cache of 256 MB took 120 MB more than its size;
   // with a single heap it takes 60 MB more, and tiles come as fast.
-  mallopt(M_ARENA_MAX, 1);
+  system::limit_heaps(1);
 
   server::AccessLog log(o.log == "none"   ? server::LogFormat::kNone
                         : o.log == "json" ? server::LogFormat::kJson

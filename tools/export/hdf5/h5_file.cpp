@@ -4,8 +4,15 @@
 #include <cstring>
 
 #include <fmt/format.h>
+#if __has_include(<H5FDdevelop.h>)
+#include <H5FDdevelop.h>
+#endif
 
 #include "store/base/error.hpp"
+
+// HDF5 of Debian 13 can read from S3. Every program would need libcurl and libcrypto for it, unless what HDF5 begins it with is here already.
+extern "C" hid_t H5FD_ros3_init();
+extern "C" hid_t H5FD_ros3_init() { return -1; }
 
 namespace teracell::exports {
 
@@ -68,6 +75,10 @@ struct H5Driver {
 };
 
 const H5FD_class_t H5Driver::kClass = {
+#ifdef H5FD_CLASS_VERSION  // HDF5 1.14
+    .version = H5FD_CLASS_VERSION,
+    .value = H5FD_class_value_t{400},  // 256 to 511 are for drivers that are not registered with its makers
+#endif
     .name = "teracell",
     .maxaddr = haddr_t{1} << 62,
     .fc_degree = H5F_CLOSE_STRONG,  // objects that an exception left open are closed with the file
@@ -98,6 +109,7 @@ H5Handle text_type() {
 H5File::H5File(const std::filesystem::path& target) : name_(target.string()), file_(target, 0, true) {
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // it prints nothing
   static const hid_t driver = H5FDregister(&H5Driver::kClass);
+  checked(driver, "take its driver of files");
   const H5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   H5File* const self = this;
   checked(H5Pset_driver(access, driver, &self), "choose the driver");

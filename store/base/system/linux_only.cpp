@@ -1,0 +1,107 @@
+#include "store/base/system/linux_only.hpp"
+
+#ifdef __linux__
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <fstream>
+#include <iterator>
+#include <string>
+
+#include <fcntl.h>
+#include <malloc.h>
+#include <sched.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+namespace teracell::inline store::linux_only {
+
+std::string core_set() {
+  cpu_set_t allowed;
+  return ::sched_getaffinity(0, sizeof allowed, &allowed) == 0 ? std::string(reinterpret_cast<const char*>(&allowed), sizeof allowed) : "";
+}
+
+int cores() {
+  cpu_set_t allowed;  // a rank that is bound to one core takes one
+  return ::sched_getaffinity(0, sizeof allowed, &allowed) == 0 ? std::max(1, CPU_COUNT(&allowed)) : portable::cores();
+}
+
+// Less than the machine's where a batch system or a container limits the process's control group or one above it.
+uint64_t memory() {
+  uint64_t out = portable::memory();
+  std::ifstream groups("/proc/self/cgroup");
+  for (std::string line; std::getline(groups, line);) {
+    if (!line.starts_with("0::/")) continue;  // version 2
+    for (std::filesystem::path group = line.substr(4);; group = group.parent_path()) {
+      uint64_t limit = 0;  // stays 0 for "max"
+      if (std::ifstream("/sys/fs/cgroup" / group / "memory.max") >> limit && limit > 0) out = std::min(out, limit);
+      if (group.empty()) break;
+    }
+  }
+  return out;
+}
+
+uint64_t resident_bytes() {
+  uint64_t total = 0, resident = 0;
+  std::ifstream("/proc/self/statm") >> total >> resident;
+  return resident * static_cast<uint64_t>(::sysconf(_SC_PAGESIZE));
+}
+
+// getrusage() has the peak of the program that launched this one, if that was larger.
+uint64_t peak_bytes() {
+  std::ifstream status("/proc/self/status");
+  for (std::string word; status >> word;)
+    if (uint64_t kib; word == "VmHWM:" && status >> kib) return kib * 1024;
+  return 0;
+}
+
+uint64_t open_descriptors() {
+  std::error_code ignored;
+  const std::filesystem::directory_iterator all("/proc/self/fd", ignored);
+  return static_cast<uint64_t>(std::distance(begin(all), end(all)));
+}
+
+std::filesystem::path own_program() {
+  std::error_code error;
+  const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", error);
+  return error ? std::filesystem::path() : self;
+}
+
+void limit_heaps([[maybe_unused]] int heaps) {
+#ifdef __GLIBC__
+  ::mallopt(M_ARENA_MAX, heaps);
+#endif
+}
+
+void give_back_memory() {
+#ifdef __GLIBC__
+  ::malloc_trim(0);
+#endif
+}
+
+void begin_write_back(int file, uint64_t offset, uint64_t bytes) {
+  ::sync_file_range(file, static_cast<off_t>(offset), static_cast<off_t>(bytes), SYNC_FILE_RANGE_WRITE);
+}
+
+// Before Linux 5.14 the kernel can't do this, and pages come one by one.
+void populate([[maybe_unused]] void* memory, [[maybe_unused]] size_t bytes) {
+#ifdef MADV_POPULATE_WRITE
+  const auto page = static_cast<uintptr_t>(::sysconf(_SC_PAGESIZE));
+  const uintptr_t first = (reinterpret_cast<uintptr_t>(memory) + page - 1) / page * page, last = (reinterpret_cast<uintptr_t>(memory) + bytes) / page * page;
+  if (last > first) ::madvise(reinterpret_cast<void*>(first), last - first, MADV_POPULATE_WRITE);  // NOLINT(performance-no-int-to-ptr)
+#endif
+}
+
+int file_without_name(const std::filesystem::path& folder) {
+  const int file = ::open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
+  return file >= 0 ? file : portable::file_without_name(folder);  // not every file system can
+}
+
+int file_in_memory() { return ::memfd_create("teracell", MFD_CLOEXEC); }
+
+int rename_folder(const std::filesystem::path& from, const std::filesystem::path& to, bool exchange) {
+  return ::renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), exchange ? RENAME_EXCHANGE : 0) == 0 ? 0 : errno;
+}
+
+}  // namespace teracell::store::linux_only
+#endif
