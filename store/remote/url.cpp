@@ -30,7 +30,9 @@ Url parse_url(const std::string& address, const std::string& base) {
   const LibCurl& curl = libcurl();
   const std::unique_ptr<CURLU, void (*)(CURLU*)> parsed(curl.url(), curl.url_cleanup);
   const std::string whole = address.substr(0, address.find('#'));
-  const auto set = [&](const std::string& text) {
+  const auto set = [&](const std::string& given) {
+    std::string text;  // libcurl takes no blanks from 8.14 on
+    for (const char c : given) text += c == ' ' ? "%20" : std::string(1, c);
     return curl.url_set(parsed.get(), CURLUPART_URL, text.c_str(), CURLU_URLENCODE | CURLU_PATH_AS_IS);
   };
   if (!base.empty()) set(base);

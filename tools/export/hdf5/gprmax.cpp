@@ -11,6 +11,16 @@
 #include "tools/export/solvers.hpp"
 
 namespace teracell::exports {
+namespace {
+
+// With a point, as gprMax writes its numbers.
+std::string real(double x) {
+  std::string text = fmt::format("{}", x);
+  if (text.find_first_not_of("-0123456789") == text.npos) text += ".0";
+  return text;
+}
+
+}  // namespace
 
 void write_gprmax(const Export& e) {
   expect_uniform(e, "gprmax");
@@ -29,7 +39,7 @@ void write_gprmax(const Export& e) {
     if (names.size() > 32767) throw UsageError("--epsilon: gprMax has at most 32768 materials in a file");
     numbers[id] = static_cast<int16_t>(names.size());
     // Never "1 0 1 0": gprMax drops lines that are those of its own materials.
-    lines += fmt::format("#material: {:#} {:#} {:#} 0 {}\n", m.epsilon, m.sigma, m.mu, word(meta.materials[id].name, names));
+    lines += fmt::format("#material: {} {} {} 0 {}\n", real(m.epsilon), real(m.sigma), real(m.mu), word(meta.materials[id].name, names));
   }
   std::filesystem::path stem = e.output;
   stem.replace_extension();
