@@ -23,7 +23,6 @@ struct MeshReport {
   std::vector<std::string> warnings() const;  // those of the report, and what was found by sums that round
 };
 
-
 // The name of a part of `output`.
 std::filesystem::path part_path(const std::filesystem::path& output, const Shard& shard);
 

@@ -14,5 +14,4 @@ int threads_of(const MeshOptions& options);
 Bodies read_scene(const Scene& scene, const MeshOptions& options, int threads, const Budget& budget, bool count,
                   const std::function<void(const char* phase, double share)>& progress);
 
-
 }  // namespace teracell::mesher

@@ -75,7 +75,6 @@ struct ServerState {
 };
 std::string metrics_text(const Metrics& metrics, const ServerState& state);
 
-
 // `inner`, behind a handler for /healthz and /metrics.
 Handler with_operations(Handler inner, const Metrics& metrics, std::function<ServerState()> state);
 

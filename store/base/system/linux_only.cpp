@@ -87,7 +87,8 @@ void begin_write_back(int file, uint64_t offset, uint64_t bytes) {
 void populate([[maybe_unused]] void* memory, [[maybe_unused]] size_t bytes) {
 #ifdef MADV_POPULATE_WRITE
   const auto page = static_cast<uintptr_t>(::sysconf(_SC_PAGESIZE));
-  const uintptr_t first = (reinterpret_cast<uintptr_t>(memory) + page - 1) / page * page, last = (reinterpret_cast<uintptr_t>(memory) + bytes) / page * page;
+  const uintptr_t first = (reinterpret_cast<uintptr_t>(memory) + page - 1) / page * page,
+                  last = (reinterpret_cast<uintptr_t>(memory) + bytes) / page * page;
   if (last > first) ::madvise(reinterpret_cast<void*>(first), last - first, MADV_POPULATE_WRITE);  // NOLINT(performance-no-int-to-ptr)
 #endif
 }

@@ -1,7 +1,7 @@
 // What this program asks of an operating system beyond POSIX, by means of POSIX: right everywhere, and less good than what one system offers.
 #pragma once
-#include <cstdint>
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <string>
 

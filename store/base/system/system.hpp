@@ -1,4 +1,5 @@
-// What is asked of the operating system beyond POSIX: portable.hpp says what each function does. With -DTERACELL_PORTABLE=ON Linux is taken for any system.
+// What is asked of the operating system beyond POSIX: portable.hpp says what each function does. With -DTERACELL_PORTABLE=ON Linux is taken for any
+ // system.
 #pragma once
 #include "store/base/system/linux_only.hpp"
 

@@ -24,8 +24,10 @@ struct System {
   int (*file_without_name)(const std::filesystem::path&);
   int (*rename_folder)(const std::filesystem::path&, const std::filesystem::path&, bool);
 };
-#define SYSTEM(name) \
-  System { #name, name::cores, name::memory, name::resident_bytes, name::peak_bytes, name::open_descriptors, name::file_without_name, name::rename_folder }
+#define SYSTEM(name)                                                                                                                               \
+  System {                                                                                                                                         \
+    #name, name::cores, name::memory, name::resident_bytes, name::peak_bytes, name::open_descriptors, name::file_without_name, name::rename_folder \
+  }
 const System kSystems[] = {
     SYSTEM(portable),
 #ifdef __linux__
