@@ -34,6 +34,7 @@ class RefinedGrid {
   template <class Lock>
   Lock locked() const {
     Lock lock(mutex_, std::defer_lock);
+    if (lock.try_lock()) return lock;  // a page, which has no clock, waits for nobody
     while (!lock.try_lock_for(std::chrono::milliseconds(50))) Wanted::stop_if_not();
     return lock;
   }

@@ -84,7 +84,7 @@ TEST_CASE("Leaves are counted by level and material, also of a region, and wishe
   }
 }
 
-TEST_CASE("Threads that ask for leaves at once get the same answers as one", "[server]") {
+TEST_CASE("Threads that ask for leaves at once get the same answers as one", "[server][threads]") {
   const ServedBlobs s(7), alone(7);
   std::vector<std::string> targets;
   for (int i = 0; i < 24; ++i)
