@@ -191,7 +191,7 @@ class Threads(unittest.TestCase):
                 seen.append(args[-1])
                 return native.read(*args)
 
-        grid._native = Recorder()
+        grid._file.native = Recorder()
         grid.dask(chunks=64)[:70, :70].sum().compute()
         self.assertGreater(len(seen), 3)
         self.assertEqual(set(seen), {1})

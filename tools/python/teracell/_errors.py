@@ -1,4 +1,5 @@
 """The exceptions of teracell. Their messages are those of the command line."""
+import errno
 
 
 class Error(Exception):
@@ -6,15 +7,37 @@ class Error(Exception):
 
 
 class UsageError(Error, ValueError):
-    """An argument, a key of a scene or an index is wrong."""
+    """An argument, a key of a scene or an index is wrong, or the grid is closed."""
+
+
+class TooLargeError(Error, MemoryError):
+    """An array would be larger than the machine's memory."""
 
 
 class IoError(Error, OSError):
-    """The operating system reports a failure. `errno` is its number, where that is known."""
+    """The operating system reports a failure. `errno` is its number, where that is known; as with OSError, the number chooses the class."""
+
+    def __new__(cls, *args):
+        return super().__new__(_BY_NUMBER.get(args[0], cls) if cls is IoError and args else cls, *args)
 
     def __str__(self):
         return self.strerror or super().__str__()
 
 
+class NotFoundError(IoError, FileNotFoundError):
+    """There is no such file."""
+
+
+class NotPermittedError(IoError, PermissionError):
+    """The file may not be read or written."""
+
+
+class FolderError(IoError, IsADirectoryError):
+    """There is a folder where a file was expected."""
+
+
 class FormatError(Error):
     """A grid or a surface is damaged, or is not what it should be."""
+
+
+_BY_NUMBER = {errno.ENOENT: NotFoundError, errno.EACCES: NotPermittedError, errno.EPERM: NotPermittedError, errno.EISDIR: FolderError}
