@@ -27,8 +27,8 @@ from ._errors import Error, FormatError, IoError, TooLargeError, UsageError
 from ._indices import index_of, orthogonal, select
 from ._materials import Material, Materials
 
-__all__ = ["open", "mesh", "planes", "info", "Planes", "Grid", "Level", "Axis", "Material", "Materials", "Patch", "Cells", "Partition", "Part", "Error", "FormatError", "IoError",
-           "TooLargeError", "UsageError", "__version__"]
+__all__ = ["open", "mesh", "planes", "info", "Planes", "Grid", "Level", "Axis", "Material", "Materials", "Patch", "Cells", "Partition", "Part",
+           "Error", "FormatError", "IoError", "TooLargeError", "UsageError", "__version__"]
 __version__ = _native.version
 
 Axis = collections.namedtuple("Axis", "name planes samples")
@@ -56,6 +56,9 @@ def open(path, *, cache_dir=None, cache_dir_size=None, endpoint=None, allow_http
     addresses of other machines. AWS_ACCESS_KEY_ID and the other usual variables hold the key that signs requests to s3:// addresses.
     """
     return Grid(path, cache_dir, cache_dir_size, endpoint, allow_http)
+
+
+_MEMORY = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
 
 
 class _File:
@@ -167,9 +170,9 @@ class Level:
 
     def _empty(self, shape, dtype=None):
         dtype = numpy.dtype(dtype or self.dtype)
-        bytes, memory = math.prod(shape) * dtype.itemsize, os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
-        if bytes > memory:
-            raise TooLargeError(f"{self.path}: expected an array that fits into the {memory:,} bytes of memory, found one of {bytes:,}: select a box, "
+        bytes = math.prod(shape) * dtype.itemsize
+        if bytes > _MEMORY:
+            raise TooLargeError(f"{self.path}: expected an array that fits into the {_MEMORY:,} bytes of memory, found one of {bytes:,}: select a box, "
                                 "g[z0:z1, y0:y1, x0:x1], take a coarser level, g.level(3), or blocks, g.dask(); g.stats() counts cells")
         return numpy.empty(shape, dtype)
 

@@ -1,5 +1,8 @@
 """The exceptions of teracell. Their messages are those of the command line."""
+from __future__ import annotations
+
 import errno
+from typing import Any
 
 
 class Error(Exception):
@@ -17,10 +20,11 @@ class TooLargeError(Error, MemoryError):
 class IoError(Error, OSError):
     """The operating system reports a failure. `errno` is its number, where that is known; as with OSError, the number chooses the class."""
 
-    def __new__(cls, *args):
-        return super().__new__(_BY_NUMBER.get(args[0], cls) if cls is IoError and args else cls, *args)
+    def __new__(cls, *args: Any) -> IoError:
+        kind = _BY_NUMBER.get(args[0], cls) if cls is IoError and args else cls
+        return super().__new__(kind, *args)
 
-    def __str__(self):
+    def __str__(self) -> str:
         return self.strerror or super().__str__()
 
 
@@ -40,4 +44,4 @@ class FormatError(Error):
     """A grid or a surface is damaged, or is not what it should be."""
 
 
-_BY_NUMBER = {errno.ENOENT: NotFoundError, errno.EACCES: NotPermittedError, errno.EPERM: NotPermittedError, errno.EISDIR: FolderError}
+_BY_NUMBER: dict[int, type[IoError]] = {errno.ENOENT: NotFoundError, errno.EACCES: NotPermittedError, errno.EPERM: NotPermittedError, errno.EISDIR: FolderError}

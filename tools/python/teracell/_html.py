@@ -7,6 +7,7 @@ import zlib
 import numpy
 
 MOST_CELLS = 256  # along the longest axis of the level
+MOST_MATERIALS = 40
 EDGE = 180  # of the largest picture, in pixels of the page
 
 
@@ -20,9 +21,8 @@ def page_of(level, coarser):
              ("level", f"{level.number} of 0 to {coarser[-1].number}"),
              ("hash", level._native.hash())]
     rows = "".join(f"<tr><th style='text-align:left'>{name}</th><td style='text-align:left'>{html.escape(text)}</td></tr>" for name, text in facts)
-    names = " ".join(f"<span style='white-space:nowrap'><span style='display:inline-block;width:.8em;height:.8em;border:1px solid #888;"
-                     f"background:rgba({m.color[0]},{m.color[1]},{m.color[2]},{m.color[3] / 255:g})'></span> {html.escape(m.name)}</span>" for m in level.materials[:40])
-    if len(level.materials) > 40:
+    names = " ".join(map(_material, level.materials[:MOST_MATERIALS]))
+    if len(level.materials) > MOST_MATERIALS:
         names += f" … {len(level.materials):,} in all"
     rows += f"<tr><th style='text-align:left'>materials</th><td style='text-align:left'>{names}</td></tr>"
     pictures = "".join(_pictures(next(c for c in coarser if max(c.shape) <= MOST_CELLS), size))
@@ -37,7 +37,14 @@ def png(colors):
     rows, columns, _ = colors.shape
     lines = numpy.zeros((rows, 1 + 4 * columns), numpy.uint8)  # each begins with 0: no filter
     lines[:, 1:] = colors.reshape(rows, -1)
-    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", columns, rows, 8, 6, 0, 0, 0)) + chunk(b"IDAT", zlib.compress(lines.tobytes())) + chunk(b"IEND", b"")
+    head = struct.pack(">IIBBBBB", columns, rows, 8, 6, 0, 0, 0)
+    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", zlib.compress(lines.tobytes())) + chunk(b"IEND", b"")
+
+
+def _material(m):
+    red, green, blue, alpha = m.color
+    return ("<span style='white-space:nowrap'><span style='display:inline-block;width:.8em;height:.8em;border:1px solid #888;"
+            f"background:rgba({red},{green},{blue},{alpha / 255:g})'></span> {html.escape(m.name)}</span>")
 
 
 def _pictures(level, size):

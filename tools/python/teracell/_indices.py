@@ -1,8 +1,8 @@
 """What a key selects of an array of cells, by NumPy's rules, and how to read no more than that.
 
 `read(first, step, out)` fills an array [z][y][x] from a lattice of cells. Whole numbers and slices are one lattice. Lists are read stretch by
-stretch. Of points, as masks and several lists select them, those that lie together are read at once: at most FEW cells, or WASTE times as many
-as are selected. NumPy then puts what was read in its place, by a key of the same kind.
+stretch, or as the box around them, whichever costs less; and so are those points, as masks and several lists select them, that lie together.
+NumPy then puts what was read in its place, by a key of the same kind.
 """
 import itertools
 import math
@@ -12,7 +12,8 @@ import numpy
 
 from ._arguments import shown
 
-FEW = 1 << 18
+READ = 2048  # cells that could be read in the time that it takes to ask for any: 4 us
+FEW = 1 << 26  # cells that may be read at once though they are more than WASTE times as many as are selected
 WASTE = 4
 
 
@@ -148,16 +149,32 @@ def _stretches(along):
         return [(0, range(int(along[0]), int(along[-1]) + 1, int(steps[0])))]
     starts = [0, *(numpy.flatnonzero(steps != 1) + 1).tolist()]
     ends = starts[1:] + [len(along)]
-    return [(a, range(int(along[a]), int(along[b - 1]) + 1)) for a, b in zip(starts, ends)] if len(along) else []
+    return [(a, range(int(along[a]), int(along[b - 1]) + 1)) for a, b in zip(starts, ends)]
+
+
+def _way(along):
+    """What it costs to read the cells at these places along each axis, in cells, and whether the box around them is to be read."""
+    cells, box, reads = (math.prod(map(count, along)) for count in (len, lambda a: len(_around(a)), lambda a: len(_stretches(a))))
+    by_stretches, by_box = READ * reads + cells, READ + box
+    return (by_box, True) if by_box < by_stretches and box <= max(FEW, WASTE * cells) else (by_stretches, False)
+
+
+def _around(along):
+    """The range that holds ascending cells along an axis."""
+    return along if isinstance(along, range) else range(int(along[0]), int(along[-1]) + 1)
 
 
 def _lattices(along, read, empty):
     """The cells whose places along each axis are given, in ascending order."""
-    out = empty([len(cells) for cells in along])
-    if out.size:
-        for parts in itertools.product(*map(_stretches, along)):
-            to = out[tuple(slice(at, at + len(cells)) for at, cells in parts)]
-            read([cells.start for _, cells in parts], [cells.step if len(cells) > 1 else 1 for _, cells in parts], to)
+    counts = [len(cells) for cells in along]
+    if 0 in counts:
+        return empty(counts)
+    if not all(isinstance(cells, range) for cells in along) and _way(along)[1]:
+        return _lattices(list(map(_around, along)), read, empty)[numpy.ix_(*(range(len(a)) if isinstance(a, range) else a - a[0] for a in along))]
+    out = empty(counts)
+    for parts in itertools.product(*map(_stretches, along)):
+        to = out[tuple(slice(at, at + len(cells)) for at, cells in parts)]
+        read([cells.start for _, cells in parts], [cells.step if len(cells) > 1 else 1 for _, cells in parts], to)
     return out
 
 
@@ -172,10 +189,15 @@ def _points(arrays, lattice, read, empty):
 
     def fill(some, bits):
         """Reads the points with these numbers at once, or block by block, whose edges have 2**bits cells."""
-        places = [numpy.unique(p[some], return_inverse=True) for p in points]
-        cells = math.prod(len(along) for along, _ in places)
-        if cells <= WASTE * len(some) or cells * width <= FEW:
-            by_axis = dict(zip(axes, [along for along, _ in places] + rest))
+        around = [range(int(p[some].min()), int(p[some].max()) + 1) for p in points]
+        if dense := math.prod(map(len, around)) <= WASTE * len(some):
+            places = [(box, p[some] - box.start) for box, p in zip(around, points)]
+        else:
+            places = [numpy.unique(p[some], return_inverse=True) for p in points]
+        along = [found for found, _ in places] + rest
+        cells = math.prod(map(len, along))
+        if dense or (cells <= max(FEW, WASTE * len(some) * width) and _way(along)[0] <= (READ + width) * len(some)):
+            by_axis = dict(zip(axes, along))
             box = _lattices([by_axis[d] for d in range(len(lattice))], read, empty)
             out[some] = box.transpose(axes)[tuple(inverse for _, inverse in places)]
             return

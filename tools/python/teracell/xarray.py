@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 import os
-from typing import Any, Iterable
+from collections.abc import Iterable
+from typing import Any
 
 import numpy
 import xarray
@@ -22,17 +23,19 @@ class Backend(BackendEntrypoint):
     description = "Cartesian grids of materials (.tcell)"
     open_dataset_parameters = ("filename_or_obj", "drop_variables", "level", "cache_dir", "cache_dir_size", "endpoint", "allow_http")
 
-    def open_dataset(self, filename_or_obj: Any, *, drop_variables: str | Iterable[str] | None = None, level: int = 0, cache_dir: Any = None,
-                     cache_dir_size: int | None = None, endpoint: str | None = None, allow_http: bool = False) -> xarray.Dataset:
+    def open_dataset(  # type: ignore[override]
+            self, filename_or_obj: Any, drop_variables: str | Iterable[str] | None = None, *, level: int = 0, cache_dir: Any = None,
+            cache_dir_size: int | None = None, endpoint: str | None = None, allow_http: bool = False) -> xarray.Dataset:
         """Opens one level of a grid; the other options are those of teracell.open()."""
         grid = teracell.open(filename_or_obj, cache_dir=cache_dir, cache_dir_size=cache_dir_size, endpoint=endpoint, allow_http=allow_http)
         chosen = grid.level(level)
-        chunks = {name: min(n, PREFERRED) for name, n in zip("zyx", chosen.shape)}
+        chunks = {name: PREFERRED for name, n in zip("zyx", chosen.shape) if n > PREFERRED}
         cells = xarray.Variable(("z", "y", "x"), indexing.LazilyIndexedArray(Cells(chosen)), attributes(chosen), {"preferred_chunks": chunks})
         dataset = xarray.Dataset({"material": cells}, coordinates(chosen), {"units": grid.units, "level": level, "hash": grid.hash})
+        if drop_variables is not None:
+            dataset = dataset.drop_vars(drop_variables, errors="ignore")
         dataset.set_close(grid.close)
-        left_out = [drop_variables] if isinstance(drop_variables, str) else list(drop_variables or [])
-        return dataset.drop_vars(left_out, errors="ignore")
+        return dataset
 
     def guess_can_open(self, filename_or_obj: Any) -> bool:
         return isinstance(filename_or_obj, (str, os.PathLike)) and os.fspath(filename_or_obj).endswith(".tcell")
@@ -45,7 +48,9 @@ class Cells(BackendArray):
         self.level, self.shape, self.dtype = level, level.shape, level.dtype
 
     def __getitem__(self, key: indexing.ExplicitIndexer) -> Any:
-        if isinstance(key, indexing.VectorizedIndexer) and all(isinstance(part, numpy.ndarray) for part in key.tuple):
+        if not isinstance(key, indexing.VectorizedIndexer):  # xarray 2023.1 would lose a cell of [::-9] on the way, so it is not asked
+            return numpy.asarray(self.level._orthogonal(key.tuple))
+        if all(isinstance(part, numpy.ndarray) for part in key.tuple):
             return self.level[key.tuple]  # points
         return indexing.explicit_indexing_adapter(key, self.shape, indexing.IndexingSupport.OUTER, self.level._orthogonal)
 
