@@ -191,6 +191,8 @@ class Threads(unittest.TestCase):
         native, seen = grid._native, []
 
         class Recorder:
+            hash = native.hash
+
             def read(self, *args):
                 seen.append(args[-1])
                 return native.read(*args)
