@@ -29,10 +29,10 @@ constexpr size_t kMostSceneText = 64'000'000;  // as many planes as fit into a .
 
 std::string read_text(const fs::path& path) {
   std::error_code ignored;
-  if (fs::is_directory(path, ignored)) throw IoError(fmt::format("{}: expected a file, found a folder", path.string()));
+  if (fs::is_directory(path, ignored)) throw IoError(fmt::format("{}: expected a file, found a folder", path.string()), EISDIR);
   errno = 0;
   std::ifstream in(path, std::ios::binary);
-  if (!in.is_open()) throw IoError(fmt::format("{}: can't be opened: {}", path.string(), std::strerror(errno)));
+  if (const int error = errno; !in.is_open()) throw IoError(fmt::format("{}: can't be opened: {}", path.string(), std::strerror(error)), error);
   std::string text;
   for (char block[1 << 16]; in.read(block, sizeof block), in.gcount() > 0;) {
     text.append(block, static_cast<size_t>(in.gcount()));

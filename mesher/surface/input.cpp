@@ -31,7 +31,7 @@ Input::Input(const std::filesystem::path& path) : name_(path.string()) {
     struct stat status {};
     regular_ = fstat(descriptor_, &status) == 0 && S_ISREG(status.st_mode);
     if (regular_) size_ = status.st_size;
-    if (S_ISDIR(status.st_mode)) throw IoError(fmt::format("{}: expected a surface file, found a folder", name_));
+    if (S_ISDIR(status.st_mode)) throw IoError(fmt::format("{}: expected a surface file, found a folder", name_), EISDIR);
     if (!size_ || *size_ > kWindow) posix_fadvise(descriptor_, 0, 0, POSIX_FADV_SEQUENTIAL);  // a hint: a failure only costs speed
     begin();
   } catch (...) {

@@ -16,8 +16,9 @@ FileState state_of(const struct stat& s) {
 InputFile::InputFile(const std::filesystem::path& path) : name_(path.string()), file_(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)) {
   if (!file_) fail_at(name_, "can't open", errno);
   struct stat st;
-  if (::fstat(file_.get(), &st) != 0 || !S_ISREG(st.st_mode))
-    throw IoError(fmt::format("{}: expected a file, found {}", name_, S_ISDIR(st.st_mode) ? "a folder" : "a device or a pipe"));
+  if (::fstat(file_.get(), &st) != 0) fail_at(name_, "can't open", errno);
+  if (S_ISDIR(st.st_mode)) throw IoError(fmt::format("{}: expected a file, found a folder", name_), EISDIR);
+  if (!S_ISREG(st.st_mode)) throw IoError(fmt::format("{}: expected a file, found a device or a pipe", name_));
   state_ = state_of(st);
 }
 

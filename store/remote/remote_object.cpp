@@ -1,6 +1,7 @@
 #include "store/remote/remote_object.hpp"
 
 #include <algorithm>
+#include <cerrno>
 #include <charconv>
 #include <chrono>
 #include <random>
@@ -249,8 +250,10 @@ void RemoteObject::fail(const Exchange& e) const {
   const bool secret = e.url.find('?') != std::string::npos || (e.signing != nullptr && !e.signing->key_id.empty());
   const std::string words = secret ? safe_words_of(e.body) : words_of(e.body);
   const bool unsigned_s3 = e.status == 403 && place_.name.starts_with("s3://") && place_.signing.key_id.empty();
+  const int number = e.status == 404 || e.status == 410 ? ENOENT : e.status == 401 || e.status == 403 ? EACCES : 0;
   throw IoError(fmt::format("{}: the host answers with status {}{}{}", name(), e.status, words.empty() ? "" : ": " + words,
-                            unsigned_s3 ? " (the request was not signed: AWS_ACCESS_KEY_ID and AWS_SECRET_ACCESS_KEY are not set)" : ""));
+                            unsigned_s3 ? " (the request was not signed: AWS_ACCESS_KEY_ID and AWS_SECRET_ACCESS_KEY are not set)" : ""),
+                number);
 }
 
 // While the object is being opened, an address at which nobody listens is taken for a mistake.

@@ -43,8 +43,9 @@ py::object text_of(const std::string& message) {
 
 void set_error(const py::object& type, const std::string& message, int number = 0) {
   const py::object text = text_of(message);
-  if (number != 0) PyErr_SetObject(type.ptr(), py::make_tuple(number, text).ptr());
-  else PyErr_SetObject(type.ptr(), text.ptr());
+  if (number == 0) return PyErr_SetObject(type.ptr(), text.ptr());
+  const py::object found = type(number, text);  // of the class that stands for the number
+  PyErr_SetObject(py::type::handle_of(found).ptr(), found.ptr());
 }
 
 [[noreturn]] void raise(const py::object& type, const std::string& message, int number = 0) {

@@ -7,6 +7,8 @@
     >>> g[100, :, ::4]                        # ids of materials, read from the file
     >>> g.read((0, 0, 0, 64, 64, 64), halo=1, outside=0)
     >>> g.level(3)[...]                       # the whole grid, eight times coarser
+    >>> g[:64, :64, :64] == g.materials["steel"].id
+    >>> g.close()                             # or: with teracell.open("stadium.tcell") as g: ...
 
 Arrays have the axes z, y, x, and so have boxes: (z0, y0, x0, z1, y1, x1), half open, in cells of the level. The cells of a level
 never exist as a whole: an index reads what it selects, and dask and xarray read block by block.
@@ -14,25 +16,25 @@ never exist as a whole: an index reads what it selects, and dask and xarray read
 import collections.abc
 import json
 import math
+import operator
 import os
 
 import numpy
 
-from . import _native
-from ._arguments import corners, index_of, is_address, one_or_three, path_of, selectors, shown, whole, whole_key, wholes
-from ._errors import Error, FormatError, IoError, UsageError
+from . import _html, _native
+from ._arguments import corners, is_address, one_or_three, path_of, selectors, shown, whole, wholes
+from ._errors import Error, FormatError, IoError, TooLargeError, UsageError
+from ._indices import index_of, orthogonal, select
+from ._materials import Material, Materials
 
-__all__ = ["open", "mesh", "planes", "info", "Planes", "Grid", "Level", "Axis", "Material", "Patch", "Cells", "Partition", "Part", "Error", "FormatError", "IoError", "UsageError",
-           "__version__"]
+__all__ = ["open", "mesh", "planes", "info", "Planes", "Grid", "Level", "Axis", "Material", "Materials", "Patch", "Cells", "Partition", "Part",
+           "Error", "FormatError", "IoError", "TooLargeError", "UsageError", "__version__"]
 __version__ = _native.version
 
 Axis = collections.namedtuple("Axis", "name planes samples")
 Axis.__doc__ = """An axis of a level: its planes (cells + 1) and the sample points of its cells (cells), as float64."""
-
 Patch = collections.namedtuple("Patch", "number name body area")
 Patch.__doc__ = """A part of the boundary: its number, its name, its body ("" for a side of the domain) and its area in square units."""
-Material = collections.namedtuple("Material", "id name color rank")
-Material.__doc__ = """A material: its id, its name, its colour (red, green, blue, alpha) and its rank, 0 for the strongest."""
 
 Cells = collections.namedtuple("Cells", "cells volume box")
 Cells.__doc__ = """Exact counts of a material: the number of cells, their volume, and the box that holds them, or None if there are none."""
@@ -47,7 +49,7 @@ ranks next to it."""
 
 
 def open(path, *, cache_dir=None, cache_dir_size=None, endpoint=None, allow_http=False):
-    """Opens a .tcell file and returns its Grid. This reads kilobytes, however large the grid is.
+    """Opens a .tcell file and returns its Grid. This reads kilobytes, however large the grid is. `with open(...) as g:` closes it at the end.
 
     The path may be an address, https://host/g.tcell or s3://bucket/key. Then `cache_dir` is a folder that keeps what is read, up to
     `cache_dir_size` bytes; `endpoint` is the address of the store of s3:// addresses, if it is not Amazon's; `allow_http` allows http://
@@ -56,15 +58,33 @@ def open(path, *, cache_dir=None, cache_dir_size=None, endpoint=None, allow_http
     return Grid(path, cache_dir, cache_dir_size, endpoint, allow_http)
 
 
+_MEMORY = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+
+
+class _File:
+    """The open file that a grid and its levels share. `native` is None once it is closed: calls that are on their way then end as they would have."""
+
+    def __init__(self, path, folder, size, endpoint, allow_http):
+        self.native = _native.Grid(os.fsencode(path), os.fsencode(folder or ""), size or 0, os.fsencode(endpoint or ""), allow_http)
+        self._geometry = None
+
+    def geometry(self, native):
+        """Of level 0, in the order x, y, z: where it begins, and what is known of its axes."""
+        self._geometry = self._geometry or json.loads(native.info())["grid"]
+        return self._geometry
+
+
 class Level:
     """The cells of one level as an array [z][y][x] of material ids, uint8, or uint16 where there are more than 256 materials.
 
     On a level above 0 a cell has the strongest of the materials below it. Threads may share a level.
+
+    Comparing it with a number, a material or its name gives an array of booleans, as with NumPy: `level == "steel"`. Levels of more cells
+    than the machine has memory are compared box by box, `level[box] == 1`, or lazily, `level.dask() == 1`.
     """
 
     def __init__(self, grid, level):
-        self._native = grid._native
-        self._path, self._opened = grid.path, grid._opened
+        self._file, self.path, self._opened = grid._file, grid.path, grid._opened
         self.materials = grid.materials
         self.number = whole("level", level, 0, self._native.levels() - 1)
         self.shape = tuple(self._native.shape(self.number))[::-1]
@@ -73,16 +93,51 @@ class Level:
     ndim = 3
 
     @property
+    def _native(self):
+        native = self._file.native
+        if native is None:
+            raise UsageError(f"{self.path}: the grid is closed: open it again")
+        return native
+
+    @property
     def size(self):
         return math.prod(self.shape)
+
+    @property
+    def nbytes(self):
+        """The bytes that the cells would take as an array."""
+        return self.size * self.dtype.itemsize
 
     @property
     def axes(self):
         """The axes z, y, x of this level."""
         return tuple(Axis(name, self._native.planes(self.number, d), self._native.samples(self.number, d)) for d, name in ((2, "z"), (1, "y"), (0, "x")))
 
+    @property
+    def units(self):
+        """The unit of lengths: "m", "mm" ..."""
+        return self._native.units()
+
+    @property
+    def origin(self):
+        """The lower corner of the grid, (z, y, x): the first planes of the axes."""
+        return tuple(self._file.geometry(self._native)["min"][::-1])
+
+    @property
+    def spacing(self):
+        """The edges of a cell, (z, y, x). On levels above 0 the last cell of an axis may be shorter. A grid with a graded axis has none, which is
+        a UsageError: its planes are in `axes`."""
+        axes = self._file.geometry(self._native)["axes"]
+        for name, axis in zip("xyz", axes):
+            if axis["type"] != "uniform":
+                raise UsageError(f"spacing: the cells along {name} differ in width: see the planes in `axes`")
+        return tuple(axis["step"] * 2**self.number for axis in axes[::-1])
+
     def __repr__(self):
-        return f"<teracell level {self.number} of {self._path!r}: {' x '.join(map(str, self.shape))} cells (z, y, x), {self.dtype}>"
+        return f"<teracell level {self.number} of {self.path!r}: {' x '.join(map(str, self.shape))} cells (z, y, x), {self.dtype}>"
+
+    def _repr_html_(self):
+        return _html.page_of(self, [Level(self, n) for n in range(self.number, self._native.levels())])
 
     def __len__(self):
         return self.shape[0]
@@ -95,35 +150,63 @@ class Level:
     def __reduce__(self):
         return _level_of, (self._opened, self.number)
 
+    def __dask_tokenize__(self):
+        return "teracell", self._native.hash(), self.number
+
     def __getitem__(self, key):
-        """Basic indexing as in NumPy: whole numbers, slices with any step, Ellipsis and None. Only what is selected is read."""
+        """Indexing as in NumPy: whole numbers, slices with any step, Ellipsis, None, lists and arrays of whole numbers, and masks. Two lists select
+        points; numpy.ix_() makes a lattice of them. Only what is selected is read."""
         return self._select(key, 0)
 
     def _select(self, key, threads):
-        first, step, count, back, shown = [], [], [], [], []
-        for axis, part in enumerate(whole_key(key, self.ndim)):
-            if part is None:
-                shown.append(numpy.newaxis)
-                continue
-            n = self.shape[len(count)]
-            if isinstance(part, slice):
-                chosen = range(n)[part]
-                shown.append(slice(None))
-            else:
-                i = index_of(part, n, len(count))
-                chosen = range(i, i + 1)
-                shown.append(0)
-            if chosen.step < 0:
-                chosen, reverse = chosen[::-1], slice(None, None, -1)
-            else:
-                reverse = slice(None)
-            first.append(chosen.start if len(chosen) else 0)
-            step.append(chosen.step if len(chosen) > 1 else 1)
-            count.append(len(chosen))
-            back.append(reverse)
-        out = numpy.empty(count, self.dtype)
-        self._native.read(self.number, first[::-1], step[::-1], out, 0, None, threads)
-        return out[tuple(back)][tuple(shown)]
+        return select(key, self.shape, self._reader(threads), self._empty)
+
+    def _orthogonal(self, key):
+        return orthogonal(key, self.shape, self._reader(0), self._empty)
+
+    def _reader(self, threads):
+        native = self._native
+        return lambda first, step, out: native.read(self.number, first[::-1], step[::-1], out, 0, None, threads)
+
+    def _empty(self, shape, dtype=None):
+        dtype = numpy.dtype(dtype or self.dtype)
+        bytes = math.prod(shape) * dtype.itemsize
+        if bytes > _MEMORY:
+            raise TooLargeError(f"{self.path}: expected an array that fits into the {_MEMORY:,} bytes of memory, found one of {bytes:,}: select a box, "
+                                "g[z0:z1, y0:y1, x0:x1], take a coarser level, g.level(3), or blocks, g.dask(); g.stats() counts cells")
+        return numpy.empty(shape, dtype)
+
+    def _compare(self, other, how):
+        if isinstance(other, (str, Material)):
+            other = self.materials.id_of(other)
+        if isinstance(other, Level):
+            other = other[...]
+        if numpy.ndim(other):
+            return how(self[...], other)
+        of_ids = numpy.asarray(how(numpy.arange(len(self.materials)), other), numpy.uint32)
+        out = self._empty(self.shape, bool)
+        self._native.read(self.number, [0, 0, 0], [1, 1, 1], out.view(numpy.uint8), 0, of_ids, 0)
+        return out
+
+    def __eq__(self, other):
+        return self._compare(other, operator.eq)
+
+    def __ne__(self, other):
+        return self._compare(other, operator.ne)
+
+    def __lt__(self, other):
+        return NotImplemented if isinstance(other, str) else self._compare(other, operator.lt)
+
+    def __le__(self, other):
+        return NotImplemented if isinstance(other, str) else self._compare(other, operator.le)
+
+    def __gt__(self, other):
+        return NotImplemented if isinstance(other, str) else self._compare(other, operator.gt)
+
+    def __ge__(self, other):
+        return NotImplemented if isinstance(other, str) else self._compare(other, operator.ge)
+
+    __hash__ = object.__hash__  # a grid is a key of a dict, as the object that it is
 
     def read(self, box, halo=0, out=None, outside=0, map=None, order="C", threads=0):
         """Reads a box (z0, y0, x0, z1, y1, x1), which may reach outside the grid, and returns it as an array [z][y][x].
@@ -183,16 +266,15 @@ class Level:
         """A dask array that reads each of its blocks when it is needed."""
         import dask.array
 
-        return dask.array.from_array(_Blocks(self), chunks=chunks, name=f"teracell-{dask.base.tokenize(self._path, self.number, _stamp(self))}", asarray=False, lock=False)
+        return dask.array.from_array(_Blocks(self), chunks=chunks, asarray=False, lock=False)
 
     def xarray(self, chunks="auto"):
         """An xarray.DataArray with coordinates, over dask()."""
         import xarray
 
-        coordinates = {axis.name: axis.samples for axis in self.axes}
-        names = {str(m.id): m.name for m in self.materials}
-        return xarray.DataArray(self.dask(chunks), dims=("z", "y", "x"), coords=coordinates, name="material",
-                                attrs={"units": self._native.units(), "materials": json.dumps(names)})
+        from .xarray import attributes, coordinates
+
+        return xarray.DataArray(self.dask(chunks), coordinates(self), ("z", "y", "x"), "material", attributes(self))
 
     def _box(self, box):
         return corners((0, 0, 0) + self.shape if box is None else box)
@@ -201,10 +283,9 @@ class Level:
         if map is None:
             return None
         if isinstance(map, dict):
-            by_name = {m.name: m.id for m in self.materials}
             values = [None] * len(self.materials)
             for key, value in map.items():
-                id = by_name.get(key, key) if isinstance(key, str) else key
+                id = self.materials.id_of(key) if isinstance(key, (str, Material)) and key in self.materials else key
                 if not isinstance(id, (int, numpy.integer)) or not 0 <= id < len(values):
                     raise UsageError(f"map: the grid has no material {shown(key)}")
                 values[id] = value
@@ -226,12 +307,15 @@ class _Blocks:
     def __init__(self, level):
         self._level, self.shape, self.dtype = level, level.shape, level.dtype
 
+    def __dask_tokenize__(self):
+        return self._level.__dask_tokenize__()
+
     def __getitem__(self, key):
         return self._level._select(key, 1)
 
 
 class Grid(Level):
-    """A .tcell file. It is the array of its level 0; level(L) is a coarser one."""
+    """A .tcell file. It is the array of its level 0; level(L) is a coarser one. `with` closes it."""
 
     def __init__(self, path, cache_dir=None, cache_dir_size=None, endpoint=None, allow_http=False):
         # Pickles and dask's workers may have another folder.
@@ -239,25 +323,36 @@ class Grid(Level):
         folder = _given(cache_dir, lambda name: os.path.abspath(path_of(name)))
         size = 0 if cache_dir_size is None else whole("cache_dir_size", cache_dir_size, 1)
         self._opened = self.path, folder, size or None, endpoint, bool(allow_http)
-        self._native = _native.Grid(os.fsencode(self.path), os.fsencode(folder or ""), size, os.fsencode(endpoint or ""), bool(allow_http))
-        self.materials = [Material(i, *m) for i, m in enumerate(self._native.materials())]
+        self._file = _File(*self._opened)
+        self.materials = Materials(Material(i, *m) for i, m in enumerate(self._file.native.materials()))
         super().__init__(self, 0)
+
+    def close(self):
+        """Closes the file, for the levels of the grid, too; afterwards their cells can't be read. Closing it again does nothing."""
+        self._file.native = None
+
+    @property
+    def closed(self):
+        return self._file.native is None
+
+    def __enter__(self):
+        self._native  # raises if it is closed
+        return self
+
+    def __exit__(self, *_):
+        self.close()
 
     def __reduce__(self):
         return Grid, self._opened
 
     def __repr__(self):
-        return f"<teracell grid {self.path!r}: {' x '.join(map(str, self.shape))} cells (z, y, x), {len(self.materials)} materials, {self.levels} levels>"
+        state = "closed" if self.closed else f"{self.levels} levels"
+        return f"<teracell grid {self.path!r}: {' x '.join(map(str, self.shape))} cells (z, y, x), {len(self.materials)} materials, {state}>"
 
     @property
     def levels(self):
         """The number of levels. The last one has a single cell."""
         return self._native.levels()
-
-    @property
-    def units(self):
-        """The unit of lengths: "m", "mm" ..."""
-        return self._native.units()
 
     @property
     def hash(self):
@@ -277,7 +372,7 @@ class Grid(Level):
     def fractions(self, material, box=None, outside=0.0, threads=0):
         """The share of a material, from 0 to 1, in each cell of a box (z0, y0, x0, z1, y1, x1) of level 0, as an array [z][y][x] of float64.
 
-        material  its id or name
+        material  its id, its name, or a Material
         outside   the value of cells outside the grid
         threads   how many may read; 0 is one per core
 
@@ -286,14 +381,7 @@ class Grid(Level):
         """
         lo, hi = self._box(box)
         threads = whole("threads", threads, 0, 1024)
-        if isinstance(material, str):
-            ids = [m.id for m in self.materials if m.name == material]
-            if not ids:
-                raise UsageError(f"material: expected a name of {', '.join(m.name for m in self.materials)}, found {shown(material)}")
-            material = ids[0]
-        if isinstance(material, (bool, numpy.bool_)):
-            raise UsageError(f"material: expected an id or a name, found {shown(material)}")
-        material = whole("material", material, 0, len(self.materials) - 1)
+        material = self.materials.id_of(material)
         out = numpy.empty([max(0, hi[d] - lo[d]) for d in range(3)], numpy.float64)
         if out.size:
             self._native.fractions(material, lo[::-1], out, float(outside), threads)
@@ -403,9 +491,7 @@ def info(path):
     `teracell info --json` prints them, lengths in the unit of the file."""
     name = path_of(path)
     if not is_address(name) and not name.endswith(".tcell"):
-        with _open(name, "rb") as file:
-            head = file.read(16)
-        if head[8:16] != b"teracell":
+        if _bytes_of(name, 16)[8:16] != b"teracell":
             return json.loads(_native.survey(os.fsencode(name)))["files"][0]
     return Grid(name).info
 
@@ -474,11 +560,16 @@ def _scene_of(scene, folder):
     """A scene's text and the folder of its paths."""
     if isinstance(scene, dict):
         return json.dumps(scene), folder
+    return _bytes_of(path_of(scene)), os.path.dirname(path_of(scene))
+
+
+def _bytes_of(path, most=-1):
+    """The first bytes of a file."""
     try:
-        with _open(path_of(scene), "rb") as file:
-            return file.read(), os.path.dirname(path_of(scene))
+        with _open(path, "rb") as file:
+            return file.read(most)
     except OSError as e:
-        raise IoError(e.errno, f"{path_of(scene)}: can't open: {e.strerror}") from e
+        raise IoError(e.errno, f"{path}: can't open: {e.strerror}") from e
 
 
 _open = __builtins__["open"] if isinstance(__builtins__, dict) else __builtins__.open
@@ -497,10 +588,3 @@ def _length(value, name="step"):
 
 def _level_of(opened, number):
     return Grid(*opened).level(number)
-
-
-def _stamp(level):
-    if is_address(level._path):
-        return level._native.hash()
-    found = os.stat(level._path)
-    return found.st_ino, found.st_size, found.st_mtime_ns

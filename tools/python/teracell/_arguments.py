@@ -78,32 +78,3 @@ def path_of(path):
 def is_address(path):
     """Whether a path begins with a scheme, as https:// does."""
     return re.match(r"[A-Za-z][A-Za-z0-9+.-]*://", path) is not None
-
-
-def whole_key(key, ndim):
-    """A key as a list with a part for each axis, and None where an axis is added."""
-    key = list(key) if isinstance(key, tuple) else [key]
-    ellipses = sum(part is Ellipsis for part in key)
-    if ellipses > 1:
-        raise IndexError("an index can only have a single ellipsis ('...')")
-    given = sum(part is not None and part is not Ellipsis for part in key)
-    if given > ndim:
-        raise IndexError(f"too many indices: the array has {ndim} axes, but {given} were indexed")
-    at = next((i for i, part in enumerate(key) if part is Ellipsis), None)
-    if at is None:
-        at = len(key)
-        key.append(Ellipsis)
-    return key[:at] + [slice(None)] * (ndim - given) + key[at + 1:]
-
-
-def index_of(part, n, axis):
-    """A whole number of a key."""
-    try:
-        if isinstance(part, bool) or getattr(part, "dtype", None) == bool or getattr(part, "ndim", 0) != 0:
-            raise TypeError
-        i = operator.index(part)
-    except TypeError:
-        raise IndexError("only whole numbers, slices (':'), ellipsis ('...') and None are valid indices") from None
-    if not -n <= i < n:
-        raise IndexError(f"index {shown(i)} is out of bounds for axis {axis} with size {n}")
-    return i % n
