@@ -1,6 +1,7 @@
 // Leaves over HTTP, against their definition.
 #include <thread>
 
+#include "store/refine/leaf_levels.hpp"
 #include "tests/server/served.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/refined.hpp"
