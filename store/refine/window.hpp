@@ -26,8 +26,8 @@ class Window {
   // Without the chunks, which others may have, too.
   size_t memory() const {
     size_t sum = sizeof *this + rays_.capacity() * sizeof rays_[0];
-    for (const auto& names : joined_names_) sum += sizeof names + names.capacity() * sizeof(Label);
-    for (const auto& ends : joined_ends_) sum += sizeof ends + ends.capacity() * sizeof(uint32_t);
+    for (const auto& names : joined_names_) sum += names.capacity() * sizeof(Label);
+    for (const auto& ends : joined_ends_) sum += ends.capacity() * sizeof(uint32_t);
     return sum;
   }
 
