@@ -1,7 +1,6 @@
 #include "mesher/pipeline.hpp"
 
 #include <chrono>
-#include <fstream>
 
 #include <fmt/format.h>
 

@@ -1,10 +1,6 @@
 #include "server/operations/metrics.hpp"
-
-#include <unistd.h>
-
 #include <algorithm>
 #include <cstring>
-#include <fstream>
 #include <iterator>
 
 #include <fmt/format.h>

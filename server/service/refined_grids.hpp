@@ -44,6 +44,6 @@ class RefinedGrid {
   mutable Leaves leaves_;
 };
 
-using RefinedGrids = LruCache<std::string, RefinedGrid>;  // the key: ServedGrid::number, and how it is refined as the client wrote it
+using RefinedGrids = LruCache<std::string, RefinedGrid>;  // the key: ServedGrid::number, M,N, and the wishes as the client wrote them
 
 }  // namespace teracell::server

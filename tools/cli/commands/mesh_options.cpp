@@ -1,10 +1,8 @@
 #include "tools/cli/commands/mesh_options.hpp"
 
 #include <strings.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <fstream>
 
 #include <fmt/format.h>
 
