@@ -1,9 +1,16 @@
 // Chromium as the tests start it: Debian's headless shell, which is the browser without windows of its own, and takes half the processor time:
-// the whole browser draws its toolbars also where nobody sees them. No graphics card is there. WebGL 2 comes from SwiftShader, which is part
-// of Chromium, and nothing else does. With --use-angle=swiftshader shaders would also put the page itself together. That costs ten times as
-// much (78 instead of 8 ms of processor time per frame of the dashboard), and no machine without a graphics card works that way.
+// the whole browser draws its toolbars also where nobody sees them. Where a system packages none (Ubuntu), npm's is taken. No graphics card is
+// there. WebGL 2 comes from SwiftShader, which is part of Chromium, and nothing else does. With --use-angle=swiftshader shaders would also put
+// the page itself together. That costs ten times as much (78 instead of 8 ms of processor time per frame of the dashboard), and no machine
+// without a graphics card works that way.
+import { existsSync } from "node:fs";
+import { createRequire } from "node:module";
+
+const packaged = "/usr/bin/chromium-headless-shell";
+const fetched = () => createRequire(new URL("browser/package.json", import.meta.url))("@sparticuz/chromium").default.executablePath();
+
 export const launch_options = {
-  executablePath: "/usr/bin/chromium-headless-shell",
+  executablePath: existsSync(packaged) ? packaged : await fetched(),
   // Names below .test are this machine's, but only to the resolver: pages from there are pages of other sites.
   args: ["--no-sandbox", "--enable-unsafe-swiftshader", "--disable-background-networking", "--host-resolver-rules=MAP *.test 127.0.0.1"],
 };

@@ -12,6 +12,14 @@ def install(folder):
         os.utime(installed)
 
 
+def install_browser():
+    """Where the system has none: fetched and unpacked once, before the tests start it beside each other (see chromium.mjs)."""
+    if not os.path.exists("/usr/bin/chromium-headless-shell"):
+        folder = os.path.join(os.path.dirname(os.path.abspath(__file__)), "browser")
+        install(folder)
+        subprocess.run(["node", "-e", "require('@sparticuz/chromium').default.executablePath()"], cwd=folder, check=True)
+
+
 if __name__ == "__main__":
     for name in sys.argv[1:]:
         install(name)
