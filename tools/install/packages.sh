@@ -2,7 +2,7 @@
 # that the system offers. Two that miss something at once install it one after the other; who misses nothing waits for nobody.
 missing_of() {
   local installed wanted
-  installed=$(dpkg-query -W -f='${db:Status-Status} ${Package}\n' "${@//|*/}" "${@//*|/}" 2>/dev/null | sed -n 's/^installed //p')
+  installed=$(dpkg-query -W -f='${db:Status-Status} ${Package}\n' "${@//|*/}" "${@//*|/}" 2>/dev/null | sed -n 's/^installed //p' || true)
   for wanted in "$@"; do
     grep -qxF "${wanted//|/$'\n'}" <<<"$installed" || echo "$wanted"
   done
