@@ -8,12 +8,14 @@
 #include "mesher/overlaps/overlap_sum.hpp"
 #include "mesher/thin/tally.hpp"
 #include "store/base/bytes.hpp"
+#include "store/format/labels_hash.hpp"
 
 namespace teracell::mesher {
 
 // What casting a row of tiles has counted.
 struct RowTotals {
   uint64_t crossings = 0, exact_decisions = 0;
+  LabelsSum labels;
   std::vector<BodyCells> cells;
   Tallies tallies;
   OverlapSum overlaps;
@@ -23,6 +25,7 @@ struct RowTotals {
 // What all casting has counted.
 struct CastTotals {
   uint64_t crossings = 0, exact_decisions = 0;
+  LabelsSum labels;  // of the cells so far
   std::vector<unsigned __int128> cells, covered;  // one per body: cells that it owns, and cells in it that a stronger body owns
   Tallies tallies;
   OverlapSum overlaps;

@@ -39,6 +39,7 @@ void TileGroupWork::make_chunk(uint32_t i, std::span<const SceneFacet* const> fa
   }
   pieces_[i] = coarsen(fine, 2);
   chunks_[i] = encode_level(worker.encoder, meta_, 0, cu, cv, fine);
+  totals_[i / kFanOut].labels += worker.adder.sum({0, cu, cv, 0}, fine.rays);
 }
 
 // In the order of the channels (plan.cpp).

@@ -21,7 +21,7 @@ namespace teracell::mesher {
 struct Worker {
   Worker(std::unique_ptr<Engine> by, const std::vector<Layer>& layers, const Labels& labels, const Scene& scene, const Metadata& meta,
          const MeshOptions& options)
-      : engine(std::move(by)), marker(scene, meta, labels, options.thin), composer(layers, labels.rank, labels.of_body, meta.ray_axis) {
+      : engine(std::move(by)), marker(scene, meta, labels, options.thin), composer(layers, labels.rank, labels.of_body, meta.ray_axis), adder(meta) {
     if (options.fractions) fractions.emplace(layers, labels, meta, *options.fractions);
     if (options.links) links.emplace(scene, layers, labels, meta);
   }
@@ -30,6 +30,7 @@ struct Worker {
   Marker marker;
   Composer composer;
   ChunkEncoder encoder;
+  LabelsAdder adder;
   Crossings crossings;
   std::optional<FractionCounter> fractions;
   bool sums_shares = false;  // of labels, for the volumes of bodies with exact surfaces; it takes 4 % of such a run

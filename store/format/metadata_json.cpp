@@ -101,6 +101,7 @@ Metadata metadata_from(const JsonNode& j, std::span<const ChannelKind> known) {
   meta.chunk_cells = whole<uint32_t>(chunk, "cells", uint64_t{1} << 31);
   meta.page_chunks = whole<uint32_t>(chunk, "page", 16);
   meta.crossings = whole<uint64_t>(j, "crossings");
+  meta.labels_hash = text_or_none(j, "labels_hash");
   meta.channels.clear();
   bool found = false;
   j.each("channels", [&](const JsonNode& channel) {
@@ -138,6 +139,7 @@ void check(const Metadata& meta) {
     expect(std::isfinite(p.area) && p.area >= 0, "the area of a patch is 0 or more", "7.5");
     expect(patches.insert(p.name).second, "no two patches may have the same name", "7.5");
   }
+  expect(meta.labels_hash.empty() || (meta.labels_hash.size() == 32 && meta.labels_hash.find_first_not_of("0123456789abcdef") == std::string::npos), "the hash of the labels is 32 hexadecimal digits", "7.11");
   for (const Channel& c : meta.others()) expect(c.frames > 0, "the cover of a channel has at least one frame", "7.8");
   const std::vector<LevelInfo>& levels = meta.levels();
   expect(!levels.empty() && levels[0].level == 0, "level 0 must be stored", "4.3");
@@ -170,6 +172,7 @@ Bytes encode_metadata(const Metadata& meta) {
   }
   j["chunk"] = {{"rays", meta.chunk_rays}, {"cells", meta.chunk_cells}, {"page", meta.page_chunks}};
   j["crossings"] = meta.crossings;
+  if (!meta.labels_hash.empty()) j["labels_hash"] = meta.labels_hash;
   for (const Channel& c : meta.channels) j["channels"].push_back(to_json(c));
   return encode_text(j.dump());
 }

@@ -80,6 +80,7 @@ struct Metadata {
   uint32_t chunk_cells = 65536;  // ... of chunk_cells cells
   uint32_t page_chunks = 16;     // a page has page_chunks x page_chunks chunks
   uint64_t crossings = 0;
+  std::string labels_hash;  // store/format/labels_hash.hpp; empty if the file does not tell
   std::vector<Channel> channels = {{kLabels, kRuns, true, {}, 0, 0, {}}};  // the labels first
 
   std::vector<LevelInfo>& levels() { return channels.front().levels; }

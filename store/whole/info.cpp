@@ -125,7 +125,9 @@ std::string info_json(const GridReader& reader, std::string_view id) {
     out.end_object();
   });
   out.key("chunk").begin_object().field("rays", meta.chunk_rays).field("cells", meta.chunk_cells).end_object();
-  out.key("file").begin_object().field("bytes", reader.file_bytes()).field("version", reader.version()).field("hash", reader.hash()).end_object();
+  out.key("file").begin_object().field("bytes", reader.file_bytes()).field("version", reader.version()).field("hash", reader.hash());
+  if (!meta.labels_hash.empty()) out.field("labels_hash", meta.labels_hash);
+  out.end_object();
   out.field("crossings", meta.crossings).field("bits_per_crossing", bits_per_crossing(meta)).key("report");
   const size_t report = text.size();
   reader.append_report(text);

@@ -8,6 +8,7 @@
 #include "store/base/in_order.hpp"
 #include "store/format/checked_read.hpp"
 #include "store/format/chunk_stats.hpp"
+#include "store/format/labels_hash.hpp"
 
 namespace teracell::inline store {
 namespace {
@@ -61,8 +62,13 @@ void check_content_hash(const GridReader& reader) {
     throw FormatError(fmt::format("footer: expected content hash {}, found {}", hex(footer.hash), hex(hash.digest())));
 }
 
-// Throws unless the chunk is that of its entry and agrees with the level below it. Returns its changes.
-uint64_t check_chunk(const GridReader& reader, const ChunkKey& key, const ChunkEntry& e) {
+struct ChunkSums {
+  uint64_t changes = 0;
+  LabelsSum labels;  // of level 0
+};
+
+// Throws unless the chunk is that of its entry and agrees with the level below it.
+ChunkSums check_chunk(const GridReader& reader, const ChunkKey& key, const ChunkEntry& e, const LabelsAdder& adder) {
   Chunk chunk, expected;
   reader.read_stored(key, e, chunk);
   if (key.level > 0) {
@@ -71,13 +77,16 @@ uint64_t check_chunk(const GridReader& reader, const ChunkKey& key, const ChunkE
   } else if (e.size != 0 && e.stats != stats_of(chunk.rays)) {
     throw FormatError(fmt::format("{}: its statistics are not those of its cells", chunk_name(key)));
   }
-  return chunk.rays.at.size();
+  return {chunk.rays.at.size(), key.level == 0 ? adder.sum(key, chunk.rays) : LabelsSum()};
 }
 
-void verify_level(const GridReader& reader, const LevelInfo& l, int threads, Coverage& coverage, const std::function<void()>& tell_progress) {
+// Returns the sum of the labels, of level 0.
+LabelsSum verify_level(const GridReader& reader, const LevelInfo& l, int threads, const LabelsAdder& adder, Coverage& coverage,
+                       const std::function<void()>& tell_progress) {
   const LevelShape s = reader.shape(l.level);
   coverage.add(l.directory, directory_bytes(s.pages()));
   LevelInfo sum = {l.level, l.directory, 0, 0, 0};
+  LabelsSum labels;
   for (uint64_t p = 0; p < s.pages(); ++p) {
     const DirectoryEntry place = reader.page_place(l.level, p);
     coverage.add(place.offset, place.size);
@@ -87,20 +96,22 @@ void verify_level(const GridReader& reader, const LevelInfo& l, int threads, Cov
       if (next_slot == page->size()) return std::nullopt;
       return next_slot++;
     };
-    const auto check = [&](uint32_t slot, int) { return std::pair{slot, check_chunk(reader, s.key_of(p, slot), (*page)[slot])}; };
-    in_order(threads, next, check, [&](std::pair<uint32_t, uint64_t> done) {
+    const auto check = [&](uint32_t slot, int) { return std::pair{slot, check_chunk(reader, s.key_of(p, slot), (*page)[slot], adder)}; };
+    in_order(threads, next, check, [&](std::pair<uint32_t, ChunkSums> done) {
       const ChunkEntry& e = (*page)[done.first];
+      labels += done.second.labels;
       if (e.size == 0) return;
       coverage.add(e.offset, e.size);
       sum.chunks += 1;
       sum.bytes += e.size;
-      sum.changes += done.second;
+      sum.changes += done.second.changes;
     });
     tell_progress();
   }
   if (!(sum == l))
     throw FormatError(fmt::format("level {}: the metadata counts {} chunks, {} bytes, {} changes; found {}, {}, {}", l.level, l.chunks, l.bytes,
                                   l.changes, sum.chunks, sum.bytes, sum.changes));
+  return labels;
 }
 
 // The frames of a channel other than the labels: first as bytes, however many, then as what the kind of the channel says.
@@ -134,8 +145,8 @@ void verify_frames(const GridReader& reader, const Channel& c, std::span<const C
 
 }  // namespace
 
-void verify(const GridReader& reader, int threads, const std::function<void(double)>& progress, std::span<const ChannelKind> known) {
-  naming(reader.name(), [&] {
+std::string verify(const GridReader& reader, int threads, const std::function<void(double)>& progress, std::span<const ChannelKind> known) {
+  return naming(reader.name(), [&] {
     const uint64_t size = reader.file_bytes();
     const Footer& footer = reader.footer();
     Coverage coverage;
@@ -145,10 +156,16 @@ void verify(const GridReader& reader, int threads, const std::function<void(doub
     coverage.add(size - kFooterBytes, kFooterBytes);
     reader.report();  // with its JSON
     const auto tell_progress = [&] { progress(static_cast<double>(coverage.bytes()) / static_cast<double>(size)); };
-    for (const LevelInfo& l : reader.meta().levels()) verify_level(reader, l, threads, coverage, tell_progress);
+    const LabelsAdder adder(reader.meta());
+    LabelsSum labels;
+    for (const LevelInfo& l : reader.meta().levels()) labels += verify_level(reader, l, threads, adder, coverage, tell_progress);
     for (const Channel& c : reader.meta().others()) verify_frames(reader, c, known, coverage, tell_progress);
     coverage.expect_whole(size);
     check_content_hash(reader);
+    std::string hash = labels_hash(reader.meta(), labels);
+    if (const std::string& told = reader.meta().labels_hash; !told.empty() && told != hash)
+      throw FormatError(fmt::format("the labels of all cells have the hash {}, the metadata says {} (FORMAT.md 7.11)", hash, told));
+    return hash;
   });
 }
 

@@ -155,7 +155,7 @@ void GridWriter::put_cells_page(size_t channel, uint64_t page, uint64_t size, ui
   if (size != 0) put_frame_entry(channel, size, checksum);
 }
 
-void GridWriter::finish(const std::string& report, uint64_t crossings) {
+void GridWriter::finish(const std::string& report, uint64_t crossings, std::optional<LabelsSum> labels) {
   ContentHash hash;
   const auto append_hashed = [&](const Bytes& frame) {
     hash.add(frame);
@@ -171,6 +171,7 @@ void GridWriter::finish(const std::string& report, uint64_t crossings) {
     if (covers_[i].empty()) throw Error(fmt::format("channel '{}' has no frame", meta_.channels[i].name));
   meta_.levels().clear();
   meta_.crossings = crossings;
+  meta_.labels_hash = labels ? labels_hash(meta_, *labels) : "";
   for (Level& l : levels_) {
     l.info.directory = append_hashed(encode_directory(l.directory)).offset;
     meta_.levels().push_back(l.info);

@@ -1,5 +1,8 @@
 // The cells themselves: meshed scenes against rational arithmetic, analytic solids and each other.
+#include <set>
+
 #include "store/read/stats.hpp"
+#include "store/whole/verify.hpp"
 #include "tests/support/cube_grid.hpp"
 #include "tests/support/every_way.hpp"
 #include "tests/support/ties.hpp"
@@ -62,6 +65,7 @@ void expect_exact(const std::vector<Body>& bodies, const Grid& grid) {
   const std::vector<uint32_t> expected = oracle::materials(bodies, grid);
   const std::vector<std::vector<uint32_t>> in_body = held(bodies, grid);
   const auto overlaps = overlaps_of(bodies, in_body, grid);
+  std::set<std::string> hashes;
   for_axes(scene_of(folder, bodies, grid), {.threads = 1}, [&](const GridReader& reader, const nlohmann::ordered_json& report) {
     for (size_t b = 0; b < bodies.size(); ++b)
       REQUIRE(report["bodies"][b]["cells"].get<int64_t>() + report["bodies"][b].value("covered_cells", int64_t{0}) ==
@@ -73,7 +77,9 @@ void expect_exact(const std::vector<Body>& bodies, const Grid& grid) {
     for (size_t i = 0; i < found.size(); ++i) differ += found[i] != expected[i];
     INFO(found.size() << " cells");
     REQUIRE(differ == 0);
+    REQUIRE(verify(reader, 1, [](double) {}) == *hashes.insert(reader.meta().labels_hash).first);
   });
+  REQUIRE(hashes.size() == 1);  // of the cells alone
 }
 
 TEST_CASE("A box owns its lower faces and not its upper ones, whatever the ray axis") {

@@ -153,8 +153,13 @@ TEST_CASE("A cover that lies is refused when the file is opened, or by verify") 
   expect_verify_refuses(with_channel(file, {.metadata = [](Metadata& m) { m.channels.push_back(m.channels[1]); }}), "two things");
 }
 
-TEST_CASE("Sums, statistics, coarse sets and the content hash that lie are found by verify") {
+TEST_CASE("Sums, statistics, coarse sets and hashes that lie are found by verify") {
   const Bytes file = chunked_file();
+  const std::string hash = verify(reader_of(file), 1, [](double) {});
+  const auto with_hash = [&](const std::string& told) { return forge(file, {.metadata = [=](Metadata& m) { m.labels_hash = told; }}); };
+  CHECK_NOTHROW(verify_quietly(reader_of(with_hash(hash))));
+  expect_verify_refuses(with_hash(std::string(32, '0')), "the labels of all cells have the hash " + hash);
+  CHECK_THROWS_WITH(reader_of(with_hash("0f")), Catch::Contains("FORMAT.md 7.11"));
   for (const int which : {0, 1, 2})
     expect_verify_refuses(forge(file, {.metadata =
                                            [&](Metadata& m) {

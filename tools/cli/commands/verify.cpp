@@ -13,6 +13,7 @@ struct VerifyArguments {
   GridArgument grid;
   std::string progress = "auto";
   int threads = 0;
+  bool cells = false;
 };
 
 void run_of_part(const VerifyArguments& o) {
@@ -25,14 +26,16 @@ void run_of_part(const VerifyArguments& o) {
 void run(const VerifyArguments& o) {
   if (!is_address(o.grid.name) && is_part(o.grid.name)) return run_of_part(o);
   const GridReader reader = open_grid(o.grid);
+  std::string labels;
   {
     ProgressLine line(o.progress, "");
-    verify(reader, threads_or_all(o.threads), [&](double share) { line("verify", share); });
+    labels = verify(reader, threads_or_all(o.threads), [&](double share) { line("verify", share); });
   }
   uint64_t chunks = 0;
   for (const LevelInfo& l : reader.meta().levels()) chunks += l.chunks;
   say(fmt::format("{}: sound. {}, {} on {}: every checksum holds, every level is the union of the one below, every byte is accounted for.",
                   reader.name(), bytes_text(reader.file_bytes()), plural(chunks, "chunk"), plural(reader.meta().levels().size(), "stored level")));
+  if (o.cells) say(fmt::format("cells: {}, in any file with the same axes and the same cells", labels));
 }
 
 }  // namespace
@@ -42,6 +45,7 @@ Run setup_verify(CLI::App& app) {
   add_grid(app, o->grid, "a .tcell file or a part of one");
   add_threads(app, o->threads);
   add_progress(app, o->progress);
+  app.add_flag("--cells", o->cells, "also print the hash of the cells, which depends neither on the axis of the rays nor on how they are compressed");
   app.footer("Example:\n  teracell verify g.tcell");
   return [o] { run(*o); };
 }
