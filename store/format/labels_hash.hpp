@@ -1,5 +1,5 @@
-// One number for what all cells of level 0 are, which depends on nothing else: not on the axis of the rays, the size and order of chunks, how they are
-// compressed, or how labels are numbered (FORMAT.md 7.11). The content hash depends on all of these, and on the version of zstd.
+// One number for what all cells of level 0 are, which depends on nothing else: not on the axis of the rays, the size and order of chunks, how they
+// are compressed, or how labels are numbered (FORMAT.md 7.11). The content hash depends on all of these, and on the version of zstd.
 //
 // It is a sum over cells, modulo the prime p = 2^61 - 1, of a key of the cell's label times gx^x gy^y gz^z. Along a run, whatever its axis,
 // powers add up in closed form, so a change of label costs one multiplication. Sums of parts of the grid add up to that of the whole, in any order.

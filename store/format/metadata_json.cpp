@@ -139,7 +139,8 @@ void check(const Metadata& meta) {
     expect(std::isfinite(p.area) && p.area >= 0, "the area of a patch is 0 or more", "7.5");
     expect(patches.insert(p.name).second, "no two patches may have the same name", "7.5");
   }
-  expect(meta.labels_hash.empty() || (meta.labels_hash.size() == 32 && meta.labels_hash.find_first_not_of("0123456789abcdef") == std::string::npos), "the hash of the labels is 32 hexadecimal digits", "7.11");
+  expect(meta.labels_hash.empty() || (meta.labels_hash.size() == 32 && meta.labels_hash.find_first_not_of("0123456789abcdef") == std::string::npos),
+         "the hash of the labels is 32 hexadecimal digits", "7.11");
   for (const Channel& c : meta.others()) expect(c.frames > 0, "the cover of a channel has at least one frame", "7.8");
   const std::vector<LevelInfo>& levels = meta.levels();
   expect(!levels.empty() && levels[0].level == 0, "level 0 must be stored", "4.3");

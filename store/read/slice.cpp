@@ -246,11 +246,11 @@ struct Picture {
     std::vector<uint16_t> cells;  // or these, row by row
 
     size_t bytes() const { return changes.capacity() * sizeof(Change) + cells.capacity() * sizeof(uint16_t); }
-    // Drops all rows but the first `rows`.
-    void cut(size_t rows) {
-      changes.resize(static_cast<size_t>(std::ranges::lower_bound(changes, rows, {}, &Change::row) - changes.begin()));
+    // Drops the rows from `end` on.
+    void cut(size_t end) {
+      changes.resize(static_cast<size_t>(std::ranges::lower_bound(changes, end, {}, &Change::row) - changes.begin()));
       changes.shrink_to_fit();
-      cells.resize(std::min(cells.size(), rows * wide));
+      cells.resize(std::min(cells.size(), end * wide));
       cells.shrink_to_fit();
     }
     // Turns the row before into this one. `out` begins at the first of these columns.

@@ -23,6 +23,12 @@ constexpr size_t kMostOfHeaders = 65536;
 constexpr char kHashOfNothing[] = "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855";  // SHA-256 of the body of a GET
 constexpr long kSlow = 1000;  // bytes per second: what is slower for so many seconds has stalled
 
+// Whether the path has "." or ".." between slashes, which libcurl would resolve.
+bool has_dots(std::string_view url) {
+  const auto has = [&](std::string_view part) { return url.find(part) != url.npos; };
+  return has("/./") || has("/../") || url.ends_with("/.") || url.ends_with("/..");
+}
+
 bool is_passing(CURLcode code) {
   switch (code) {
     case CURLE_COULDNT_CONNECT:
@@ -150,7 +156,6 @@ class HttpClient::Session {
     set(CURLOPT_URL, e.url.c_str());
     set(CURLOPT_PROTOCOLS_STR, "http,https");
     set(CURLOPT_HTTP_VERSION, long{CURL_HTTP_VERSION_1_1});  // stores of objects speak nothing newer
-    set(CURLOPT_PATH_AS_IS, 1L);
     set(CURLOPT_USERAGENT, "teracell");
     set(CURLOPT_RANGE, e.range.c_str());
     set(CURLOPT_NOSIGNAL, 1L);
@@ -168,7 +173,10 @@ class HttpClient::Session {
         break;
       }
     if (e.loopback) set(CURLOPT_PROXY, "");
-    if (e.signing != nullptr && !e.signing->key_id.empty()) {
+    const bool is_signed = e.signing != nullptr && !e.signing->key_id.empty();
+    // Since 8.13 libcurl does not sign a path that it is to leave as it is. Only "." and ".." in it make a difference.
+    if (!is_signed || has_dots(e.url)) set(CURLOPT_PATH_AS_IS, 1L);
+    if (is_signed) {
       set(CURLOPT_AWS_SIGV4, fmt::format("aws:amz:{}:s3", e.signing->region).c_str());
       set(CURLOPT_USERNAME, e.signing->key_id.c_str());
       set(CURLOPT_PASSWORD, e.signing->secret.c_str());

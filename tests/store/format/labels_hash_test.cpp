@@ -24,7 +24,9 @@ uint64_t power(uint64_t base, int64_t exponent) {
 uint64_t by_cells(const std::map<Index3, uint64_t>& keys) {
   uint64_t sum = 0;
   for (const auto& [cell, key] : keys)
-    sum = (sum + times(key, times(power(314159265358979323, cell[0]), times(power(271828182845904523, cell[1]), power(141421356237309504, cell[2]))))) % kPrime;
+    sum =
+        (sum + times(key, times(power(314159265358979323, cell[0]), times(power(271828182845904523, cell[1]), power(141421356237309504, cell[2]))))) %
+        kPrime;
   return sum;
 }
 
