@@ -21,8 +21,8 @@ def written(grid, name, *more):
 
 class ZarrExport(Case):
     def stores(self, grid):
-        yield zarr.DirectoryStore(written(grid, f"{grid}.v2.zarr"))
-        with zarr.ZipStore(written(grid, f"{grid}.v2.zarr.zip"), mode="r") as store:
+        yield written(grid, f"{grid}.v2.zarr")
+        with zarr.storage.ZipStore(written(grid, f"{grid}.v2.zarr.zip"), mode="r") as store:
             yield store
 
     def test_every_level_is_as_exported(self):
