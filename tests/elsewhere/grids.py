@@ -59,7 +59,7 @@ scene("planes by thirds", [CUBE, moved(CUBE, (6.0, 0.1, 0.0), (1.0, 1.0, 0.01))]
 scene("far from the origin", [moved(LUMP, (1e9, -1e9, 1e9))], {"step": 0.25})
 scene("near the smallest numbers", [moved(BALL, (0.0, 0.0, 0.0), (1e-70, 1e-70, 1e-70))], {"cells": 50})
 scene("near the largest numbers", [moved(BALL, (0.0, 0.0, 0.0), (1e70, 1e70, 1e70))], {"cells": 50})
-scene("many cells along one axis", [moved(LUMP, (0.0, 0.0, 0.0), (1e5, 1.0, 1.0))], {"cells": [1_000_000, 12, 12]})
+scene("many cells along one axis", [moved(LUMP, (0.0, 0.0, 0.0), (1e5, 1.0, 1.0))], {"cells": [100_000, 12, 12]})
 
 # Bodies at their places.
 scene("turned by 37 degrees", [CUBE, RING], LATTICE, bodies=[{"rotate": TURN}, {"rotate": {"axis": [0, 1, 0.1], "degrees": -111.1}}])
