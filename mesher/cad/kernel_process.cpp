@@ -149,8 +149,8 @@ void KernelProcess::fail_after_end(const CadOptions& options) {
   const int status = wait_for(std::exchange(process_, -1));
   const std::string how = WIFSIGNALED(status) ? fmt::format("it was ended by signal {} ({})", WTERMSIG(status), ::strsignal(WTERMSIG(status)))
                                               : fmt::format("it ended with status {}", WEXITSTATUS(status));
-  // These two may be for want of memory.
-  const bool memory = WIFSIGNALED(status) && (WTERMSIG(status) == SIGABRT || WTERMSIG(status) == SIGKILL);
+  // These may be for want of memory: OpenCASCADE 7.8 uses what it did not get.
+  const bool memory = WIFSIGNALED(status) && (WTERMSIG(status) == SIGABRT || WTERMSIG(status) == SIGKILL || WTERMSIG(status) == SIGSEGV);
   throw InputError(fmt::format("{}: the CAD kernel failed on this file: {}{}", name_, how,
                                memory ? fmt::format("; it may have {} of memory", size_text(options.memory)) : ""),
                    memory ? Remedy::kCadMemory : Remedy::kNone);

@@ -42,8 +42,10 @@
 #include <numbers>
 #include <Quantity_Color.hxx>
 #include <sstream>
+#include <Standard_Version.hxx>
 #include <stdexcept>
 #include <STEPCAFControl_Writer.hxx>
+#include <StepData_StepModel.hxx>
 #include <string>
 #include <TCollection_HAsciiString.hxx>
 #include <TDataStd_Name.hxx>
@@ -158,6 +160,9 @@ class Model {
     Interface_Static::SetIVal("write.stepcaf.subshapes.name", 1);
     STEPCAFControl_Writer writer;
     writer.SetPropsMode(Standard_True);
+#if OCC_VERSION_HEX >= 0x070800  // where it states the unit of the parameter and writes other numbers, unless it is told
+    writer.ChangeWriter().Model()->SetWriteLengthUnit(unit == "mm" ? 1 : unit == "inch" ? 25.4 : 1000);
+#endif
     if (!writer.Transfer(document_, STEPControl_AsIs) || writer.Write((folder + '/' + file).c_str()) != IFSelect_RetDone)
       throw std::runtime_error("can't write " + folder + '/' + file);
     return '"' + file + R"(": {"unit": ")" + unit + R"(", "parts": [)" + parts_ + "]}";
