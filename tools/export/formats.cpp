@@ -4,8 +4,13 @@
 
 // One line per format NAME: the file NAME.cpp, here or in a folder, defines NAME_format(); vti and vtr share vtk.cpp.
 // clang-format off
+#ifdef TERACELL_HDF5
+#define TERACELL_HDF5_FORMATS(format) format(hdf5) format(xdmf)
+#else
+#define TERACELL_HDF5_FORMATS(format)
+#endif
 #define TERACELL_EXPORT_FORMATS(format) \
-  format(hdf5) \
+  TERACELL_HDF5_FORMATS(format) \
   format(leaves) \
   format(links) \
   format(mhd) \
@@ -20,7 +25,6 @@
   format(vti) \
   format(vtr) \
   format(vtu) \
-  format(xdmf) \
   format(zarr)
 // clang-format on
 
