@@ -52,7 +52,8 @@ def install(build, folder):
         "TERACELL_WASM": "ON" if shutil.which("emcmake") else "OFF", "TERACELL_PYTHON_DIR": ".", "CMAKE_INSTALL_LIBDIR": "teracell",
         "CMAKE_INSTALL_BINDIR": f"{NAME}.data/scripts", "CMAKE_INSTALL_DATAROOTDIR": f"{NAME}.data/data/share",
         "CMAKE_INSTALL_DOCDIR": f"{NAME}.dist-info/licenses"}
-    subprocess.run(["cmake", "--fresh", "--preset", "release", "-B", build, *(f"-D{name}={value}" for name, value in options.items()),
+    pathlib.Path(build, "CMakeCache.txt").unlink(missing_ok=True)  # options of other builds; objects stay
+    subprocess.run(["cmake", "--preset", "release", "-B", build, *(f"-D{name}={value}" for name, value in options.items()),
                     *shlex.split(os.environ.get("CMAKE_ARGS", ""))], check=True)
     subprocess.run(["cmake", "--build", build, "--target", "teracell", "manual", "teracell_python"], check=True)
     for component in "program", "library", "python":
