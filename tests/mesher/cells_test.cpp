@@ -2,7 +2,6 @@
 #include <set>
 
 #include "store/read/stats.hpp"
-#include "store/whole/verify.hpp"
 #include "tests/support/cube_grid.hpp"
 #include "tests/support/every_way.hpp"
 #include "tests/support/ties.hpp"
@@ -77,9 +76,9 @@ void expect_exact(const std::vector<Body>& bodies, const Grid& grid) {
     for (size_t i = 0; i < found.size(); ++i) differ += found[i] != expected[i];
     INFO(found.size() << " cells");
     REQUIRE(differ == 0);
-    REQUIRE(verify(reader, 1, [](double) {}) == *hashes.insert(reader.meta().labels_hash).first);
+    hashes.insert(reader.meta().labels_hash);
   });
-  REQUIRE(hashes.size() == 1);  // of the cells alone
+  REQUIRE((hashes.size() == 1 && !hashes.contains("")));
 }
 
 TEST_CASE("A box owns its lower faces and not its upper ones, whatever the ray axis") {
