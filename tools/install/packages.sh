@@ -42,5 +42,6 @@ client_packages=("${browser_packages[@]}" libvips-tools python3-dask python3-fss
 # The module of the page is compiled by Emscripten, from Debian's source packages of zstd and zlib.
 module_packages=(emscripten bzip2 xz-utils)
 module_test_packages=("${browser_packages[@]}" nginx-light firefox-esr)
+wheel_packages=(python3-pip python3-xarray)
 blast_packages=(openfoam openmpi-bin python3-matplotlib python3-numpy)
 solver_packages=("${blast_packages[@]}" admesh libmpich-dev libp4est-dev libopenmpi-dev mpich munge openems parallel python3-h5py python3-meep python3-vtk9 slurm-wlm teem-apps)
