@@ -203,7 +203,7 @@ void print(const GridReader& reader) {
   const double cells = static_cast<double>(n[0]) * static_cast<double>(n[1]) * static_cast<double>(n[2]);
   const auto size = static_cast<double>(reader.file_bytes());
   row("file", fmt::format("{}, {}, content {}", reader.name(), bytes_text(size), reader.hash()));
-  if (!meta.labels_hash.empty()) row("hash", meta.labels_hash + " of the cells, whatever rays, chunks and compression they are stored with");
+  if (!meta.labels_hash.empty()) row("hash", meta.labels_hash + " of the cells, however they are stored");
   row("cells", cells_text(n) + (cells < 1e9 ? "" : fmt::format(" ({})", number_text(cells, 3))));
   for (int d = 0; d < 3; ++d) {
     const Axis& a = meta.grid.axis[d];
