@@ -22,6 +22,15 @@ constexpr int kDeepest = 64;
 constexpr uint64_t kLongestTag = uint64_t{1} << 22;
 constexpr size_t kMostNameSpaces = 256;
 
+// Expat 2.9 wants the 64 bits of a count to be asked for by name.
+#if XML_MAJOR_VERSION > 2 || XML_MINOR_VERSION >= 9
+constexpr auto byte_index = XML_GetCurrentByteIndex64;
+constexpr auto line_number = XML_GetCurrentLineNumber64;
+#else
+constexpr auto byte_index = XML_GetCurrentByteIndex;
+constexpr auto line_number = XML_GetCurrentLineNumber;
+#endif
+
 }  // namespace
 
 const char* XmlElement::find(std::string_view attribute) const {
@@ -97,14 +106,14 @@ void XmlReader::parse(std::string_view text, bool last) {
     if (error == XML_ERROR_NO_MEMORY) throw std::bad_alloc();
     refuse(fmt::format("not well-formed XML: {}", XML_ErrorString(error)));
   }
-  const XML_Index at = XML_GetCurrentByteIndex(parser_);
+  const int64_t at = byte_index(parser_);
   if (at >= 0 && fed_ - std::min(fed_, static_cast<uint64_t>(at)) > kLongestTag + text.size())
     refuse(fmt::format("expected tags and texts of at most {} bytes, found a longer one", kLongestTag));
 }
 
 void XmlReader::refuse(std::string why) { throw InputError(fmt::format("{}: {}", at_line(), why)); }
 
-uint64_t XmlReader::line() const { return XML_GetCurrentLineNumber(parser_); }
+uint64_t XmlReader::line() const { return line_number(parser_); }
 
 std::string XmlReader::at_line() const { return fmt::format("{}: line {}", where_, line()); }
 
