@@ -15,10 +15,19 @@ function(teracell_archive target name)
     INTERFACE_LINK_LIBRARIES "${ARGN}")
 endfunction()
 teracell_archive(ZLIB::ZLIB z)
-teracell_archive(EXPAT::EXPAT expat)
 teracell_archive(PkgConfig::ZSTD zstd)
 teracell_archive(PkgConfig::XXHASH xxhash)
 teracell_archive(PkgConfig::MINIZIP minizip ZLIB::ZLIB)
+
+# Archives are compiled for programs, and a shared library can't have what they say of the C library's variables. Expat's, on Debian 13 and
+# Ubuntu 24.04, name stderr: here that becomes a variable of our own.
+find_library(TERACELL_ARCHIVE_expat libexpat.a REQUIRED)
+set(expat ${CMAKE_CURRENT_BINARY_DIR}/libexpat.a)
+execute_process(COMMAND ${CMAKE_OBJCOPY} --redefine-sym stderr=teracell_stderr ${TERACELL_ARCHIVE_expat} ${expat} COMMAND_ERROR_IS_FATAL ANY)
+file(CONFIGURE OUTPUT stderr.cpp CONTENT "#include <cstdio>\nextern \"C\" { FILE* teracell_stderr = stderr; }\n")
+add_library(teracell_stderr STATIC ${CMAKE_CURRENT_BINARY_DIR}/stderr.cpp)
+set_target_properties(teracell_stderr PROPERTIES POSITION_INDEPENDENT_CODE ON CXX_VISIBILITY_PRESET hidden)
+set_target_properties(EXPAT::EXPAT PROPERTIES IMPORTED_LOCATION ${expat} IMPORTED_LOCATION_RELEASE ${expat} INTERFACE_LINK_LIBRARIES teracell_stderr)
 
 # Debian has no archive of {fmt}, whose headers are also its sources. Who uses it is compiled as with the shared library.
 file(CONFIGURE OUTPUT fmt.cpp CONTENT "#define FMT_HEADER_ONLY\n#include <fmt/format.h>\n")
