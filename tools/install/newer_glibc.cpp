@@ -2,6 +2,7 @@
 #include <link.h>
 #include <sys/random.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <cstdlib>
 
@@ -11,10 +12,18 @@ extern "C" {
 [[gnu::visibility("hidden")]] extern const char __libc_single_threaded;
 const char __libc_single_threaded = 0;
 
-// glibc 2.36, for std::random_device.
+// glibc 2.36, for the seeds of Expat's tables and for std::random_device.
+[[gnu::visibility("hidden")]] void arc4random_buf(void* bytes, std::size_t size) {
+  for (auto* at = static_cast<unsigned char*>(bytes); size > 0;) {
+    const std::size_t some = std::min<std::size_t>(size, 256);  // the most that is given at once
+    if (getentropy(at, some) != 0) std::abort();
+    at += some;
+    size -= some;
+  }
+}
 [[gnu::visibility("hidden")]] std::uint32_t arc4random() {
   std::uint32_t number = 0;
-  if (getentropy(&number, sizeof number) != 0) std::abort();
+  arc4random_buf(&number, sizeof number);
   return number;
 }
 
