@@ -28,7 +28,7 @@ class ZarrExport(Case):
     def test_every_level_is_as_exported(self):
         for grid in GRIDS:
             for store in self.stores(grid):
-                for opened in (zarr.open_group(store, mode="r"), zarr.open_consolidated(store)):
+                for opened in (zarr.open_group(store, mode="r"), zarr.open_consolidated(store, mode="r")):
                     self.assertEqual(sorted(opened.array_keys()), sorted(map(str, levels(grid))))
                     for level in levels(grid):
                         array = opened[str(level)]
