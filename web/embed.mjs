@@ -1,5 +1,6 @@
 // Writes page.cpp, which puts the compressed files of the page into the program. Usage: embed.mjs FOLDER, where FOLDER/page is
 // Vite's output. The assembler includes the files as they are: as arrays they would cost the compiler seconds.
+// Their labels are hidden for the reason that tools/cli/notice.cpp gives.
 import { mkdirSync, readFileSync, readdirSync, rmSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { constants, gzipSync } from "node:zlib";
@@ -34,8 +35,8 @@ ${symbol}:
 .incbin ${text(path)}
 ${symbol}_end:
 .popsection)");
-extern "C" const char ${symbol}[] asm(${text(symbol)});
-extern "C" const char ${symbol}_end[] asm(${text(`${symbol}_end`)});
+extern "C" [[gnu::visibility("hidden")]] const char ${symbol}[] asm(${text(symbol)});
+extern "C" [[gnu::visibility("hidden")]] const char ${symbol}_end[] asm(${text(`${symbol}_end`)});
 `,
   )
   .join("")}

@@ -1,4 +1,5 @@
 // The assembler takes the file as it is. CMakeLists.txt says where the file is, and that this source depends on it.
+// Its labels are hidden for the reason that tools/cli/notice.cpp gives.
 #include "server/api/openapi.hpp"
 
 asm(".pushsection .rodata\n"
@@ -7,8 +8,8 @@ asm(".pushsection .rodata\n"
     "\"\n"
     "teracell_openapi_end:\n"
     ".popsection");
-extern "C" const char teracell_openapi[] asm("teracell_openapi");
-extern "C" const char teracell_openapi_end[] asm("teracell_openapi_end");
+extern "C" [[gnu::visibility("hidden")]] const char teracell_openapi[] asm("teracell_openapi");
+extern "C" [[gnu::visibility("hidden")]] const char teracell_openapi_end[] asm("teracell_openapi_end");
 
 namespace teracell::server {
 

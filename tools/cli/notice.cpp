@@ -8,8 +8,9 @@ asm(".pushsection .rodata\n"
     "\"\n"
     "teracell_notice_end:\n"
     ".popsection");
-extern "C" const char teracell_notice[] asm("teracell_notice");
-extern "C" const char teracell_notice_end[] asm("teracell_notice_end");
+// Hidden: what might come from another library is found through a table, in which GNU ld for arm64 takes all labels of a section for its first.
+extern "C" [[gnu::visibility("hidden")]] const char teracell_notice[] asm("teracell_notice");
+extern "C" [[gnu::visibility("hidden")]] const char teracell_notice_end[] asm("teracell_notice_end");
 
 namespace teracell::cli {
 
