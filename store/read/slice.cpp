@@ -254,9 +254,9 @@ struct Picture {
       cells.shrink_to_fit();
     }
     // Turns the row before into this one. `out` begins at the first of these columns.
-    void turn(size_t row, uint16_t* out) {
-      if (!cells.empty()) std::copy_n(cells.data() + row * wide, wide, out);
-      for (; next < changes.size() && changes[next].row == row; ++next) out[changes[next].u] = changes[next].value;
+    void turn(size_t at, uint16_t* out) {
+      if (!cells.empty()) std::copy_n(cells.data() + at * wide, wide, out);
+      for (; next < changes.size() && changes[next].row == at; ++next) out[changes[next].u] = changes[next].value;
     }
   };
 

@@ -7,7 +7,7 @@ import { existsSync } from "node:fs";
 import { createRequire } from "node:module";
 
 const packaged = "/usr/bin/chromium-headless-shell";
-const fetched = () => createRequire(new URL("browser/package.json", import.meta.url))("@sparticuz/chromium").default.executablePath();
+const fetched = () => createRequire(new URL("browser/package.json", import.meta.url))("@sparticuz/chromium").executablePath();
 
 export const launch_options = {
   executablePath: existsSync(packaged) ? packaged : await fetched(),

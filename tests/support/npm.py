@@ -17,7 +17,7 @@ def install_browser():
     if not os.path.exists("/usr/bin/chromium-headless-shell"):
         folder = os.path.join(os.path.dirname(os.path.abspath(__file__)), "browser")
         install(folder)
-        subprocess.run(["node", "-e", "require('@sparticuz/chromium').default.executablePath()"], cwd=folder, check=True)
+        subprocess.run(["node", "-e", "require('@sparticuz/chromium').executablePath()"], cwd=folder, check=True)
 
 
 if __name__ == "__main__":
