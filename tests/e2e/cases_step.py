@@ -633,7 +633,7 @@ class StepKernel(StepCase):
     def test_an_interrupted_run_ends_soon_with_its_kernel(self):
         process = self.start_long()
         process.send_signal(signal.SIGINT)
-        out, err = process.communicate(timeout=2)
+        out, err = process.communicate(timeout=20)
         self.assertEqual((process.returncode, out), (130, ""), err)
         self.assertIn("interrupted", err.splitlines()[-1])
         self.assertEqual(self.kernels(), [])
@@ -643,7 +643,7 @@ class StepKernel(StepCase):
     def test_a_killed_run_takes_its_kernel_along(self):
         process = self.start_long()
         process.kill()
-        process.communicate(timeout=2)
+        process.communicate(timeout=20)
         self.expect_no_kernels()
 
     def interrupted_soon(self, copy, *args):
@@ -653,7 +653,7 @@ class StepKernel(StepCase):
         self.wait_until(self.kernels, "a kernel")
         time.sleep(0.3)
         process.send_signal(signal.SIGINT)
-        process.communicate(timeout=2)
+        process.communicate(timeout=20)
         self.expect_no_kernels()
         self.no_debris()
         return process.returncode
