@@ -73,6 +73,10 @@ uint64_t LabelsAdder::Powers::sum(int64_t from, int64_t to) const { return times
 // adds (k - k') g^x, and the ends of the ray the rest.
 LabelsSum LabelsAdder::sum(const Index3& first, const RayBlock& b) const {
   const auto& [along_u, along_v, along_w] = powers_;
+  if (b.uniform()) {  // most of a large grid
+    const uint64_t area = times(along_u.sum(first[0], first[0] + b.nu), along_v.sum(first[1], first[1] + b.nv));
+    return {times(keys_[b.patterns.sets(0)[0]], times(area, along_w.sum(first[2], first[2] + b.length)))};
+  }
   const auto from_w = static_cast<uint64_t>(first[2]);
   const uint64_t begin = along_w.at(first[2]), end = along_w.at(first[2] + b.length);
   const bool small = from_w + b.length < along_w.low.size();

@@ -82,6 +82,17 @@ TEST_CASE("the sum of labels is that of the cells one by one, along any axis, in
   }
 }
 
+TEST_CASE("the sum of a block of one label is that of its cells") {
+  const Metadata meta = metadata({9, 7, 11}, 0);
+  RayBlock rays;
+  rays.fill(2, 3, 4, 1);
+  std::map<Index3, uint64_t> cells;
+  for (int64_t x = 5; x < 9; ++x)
+    for (int64_t y = 1; y < 3; ++y)
+      for (int64_t z = 2; z < 5; ++z) cells[{x, y, z}] = key(std::string("steel\0hull", 10));
+  CHECK(LabelsAdder(meta).sum(Index3{1, 2, 5}, rays).value == by_cells(cells));
+}
+
 TEST_CASE("the hash of labels tells grids apart by axes, names and cells, not by how labels are numbered") {
   const Metadata meta = metadata({4, 5, 6}, 2);
   RayBlock rays;
