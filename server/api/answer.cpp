@@ -8,30 +8,6 @@
 #include "store/text/text.hpp"
 
 namespace teracell::server {
-namespace {
-
-// "?materials=1,3", "?outline=1" and "?shares=1".
-PictureStyle style_of(const Target& target, const ServedGrid& grid) {
-  const Metadata& meta = grid.meta();
-  PictureStyle style;
-  style.shares = asks_for_shares(target, grid);
-  style.outline = switched_on(target, "outline");
-  if (const std::string* list = target.find("materials")) {
-    const size_t n = meta.materials.size();
-    style.shown.assign(n, false);
-    if (!list->empty())
-      for (const std::string_view text : split(*list, ',')) {
-        const auto id = plain_integer(text);
-        if (!id || static_cast<size_t>(*id) >= n)
-          throw bad_request(fmt::format("materials: expected ids from 0 to {} separated by commas, as the grid's description lists them, found '{}'",
-                                        n - 1, text.substr(0, 48)));
-        style.shown[static_cast<size_t>(*id)] = true;
-      }
-  }
-  return style;
-}
-
-}  // namespace
 
 int axis_of(const std::string& name) {
   if (const auto axis = axis_named(name)) return *axis;
@@ -80,6 +56,16 @@ const FractionReader* asks_for_shares(const Target& target, const ServedGrid& gr
   return grid.fractions.get();
 }
 
+PixelWindow window_of(const Target& target, int64_t width, int64_t height) {
+  const std::string* const text = target.find("window");
+  if (!text) return {0, 0, width, height};
+  const auto c = integers(*text, 4, "window");
+  if (c[0] < 0 || c[1] < 0 || c[2] > width || c[3] > height || c[0] >= c[2] || c[1] >= c[3])
+    throw bad_request(
+        fmt::format("window: expected X0,Y0,X1,Y1, a part of 0,0,{},{} (half open, not empty), found '{}'", width, height, text->substr(0, 48)));
+  return {c[0], c[1], c[2], c[3]};
+}
+
 Box region_of(const GridRequest& r) {
   Box box = r.meta().grid.box(0);
   if (const std::string* region = r.target.find("region")) {
@@ -105,8 +91,25 @@ Response json_answer(const GridRequest& r, const char* route, std::function<std:
   return r.answer({.route = route, .content_type = kJsonType, .compress = true, .make = std::move(make)});
 }
 
+std::vector<bool> materials_asked_for(const GridRequest& r) {
+  const std::string* const list = r.target.find("materials");
+  if (!list) return {};
+  const size_t n = r.meta().materials.size();
+  std::vector<bool> out(n);
+  if (!list->empty())
+    for (const std::string_view text : split(*list, ',')) {
+      const auto id = plain_integer(text);
+      if (!id || static_cast<size_t>(*id) >= n)
+        throw bad_request(fmt::format("materials: expected ids from 0 to {} separated by commas, as the grid's description lists them, found '{}'", n - 1,
+                                      text.substr(0, 48)));
+      out[static_cast<size_t>(*id)] = true;
+    }
+  return out;
+}
+
 Response picture_answer(const GridRequest& r, const char* route, const SliceView& view) {
-  Service::Recipe recipe = picture_recipe(r.reader(), view, style_of(r.target, *r.grid));
+  const PictureStyle style = {.shown = materials_asked_for(r), .outline = switched_on(r.target, "outline"), .shares = asks_for_shares(r.target, *r.grid)};
+  Service::Recipe recipe = picture_recipe(r.reader(), view, style);
   recipe.route = route;
   return r.answer(recipe);
 }

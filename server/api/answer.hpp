@@ -45,10 +45,18 @@ std::pair<SliceView, std::string> tile_of(const GridRequest& r);
 bool switched_on(const Target& target, const char* name);  // "?outline=1"
 const FractionReader* asks_for_shares(const Target& target, const ServedGrid& grid);  // "?shares=1"; null for 0
 bool asks_for_bodies(const GridRequest& r);                                            // "?bodies=1"
+// "?window=X0,Y0,X1,Y1", in pixels from the upper left corner of a picture; the whole of it without it.
+struct PixelWindow {
+  int64_t x0, y0, x1, y1;
+  uint64_t width() const { return static_cast<uint64_t>(x1 - x0); }
+  uint64_t height() const { return static_cast<uint64_t>(y1 - y0); }
+};
+PixelWindow window_of(const Target& target, int64_t width, int64_t height);
 Box region_of(const GridRequest& r);  // "?region=X0,Y0,Z0,X1,Y1,Z1"; the whole grid without it
 
 // make() returns JSON.
 Response json_answer(const GridRequest& r, const char* route, std::function<std::string()> make);
+std::vector<bool> materials_asked_for(const GridRequest& r);  // "?materials=1,3": by material; empty: all
 // "?materials=1,3", "?outline=1" and "?shares=1".
 Response picture_answer(const GridRequest& r, const char* route, const SliceView& view);
 

@@ -6,6 +6,7 @@
 #define TERACELL_ANSWERS(answer) \
   answer(kInfoAnswer) \
   answer(kSliceAnswer) \
+  answer(kPlaneAnswer) \
   answer(kTileAnswer) \
   answer(kCellAnswer) \
   answer(kColumnAnswer) \

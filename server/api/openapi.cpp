@@ -6,7 +6,7 @@
 
 #include "server/parts/slice_picture.hpp"
 #include "server/protocols/protocols.hpp"
-#include "server/render/options.hpp"
+#include "server/render/plane.hpp"
 
 namespace teracell::server {
 namespace {
@@ -34,15 +34,15 @@ void fill_in(ordered_json& text, const std::string& value) {
   text = filled;
 }
 
-ordered_json view_parameters() {
+ordered_json parameters_of(std::span<const RenderOption> options, std::string_view required = "") {
   ordered_json out = ordered_json::array();
-  for (const RenderOption& o : render_options()) {
+  for (const RenderOption& o : options) {
     const bool is_flag = o.value.empty();
     ordered_json schema = {{"type", "string"}};
     if (is_flag) schema = {{"type", "integer"}, {"enum", {0, 1}}};
     out.push_back({{"name", o.name},
                    {"in", "query"},
-                   {"required", false},
+                   {"required", o.name == required},
                    {"description", fmt::format("{}: {}", is_flag ? "1" : o.value, o.help)},
                    {"schema", std::move(schema)}});
   }
@@ -57,11 +57,12 @@ std::string openapi_json(const Request& request) {
   for (const Protocol& p : protocols()) prefixes.push_back(fmt::format("/{}", p.prefix));
   fill_in(out["info"]["description"], fmt::format("{}", fmt::join(prefixes, ", ")));
   fill_in(out["shared"]["outline"]["description"], std::to_string(kMostOutlined));
-  const ordered_json options = view_parameters();
-  for (const char* ending : {"png", "bin", "json"}) {
-    ordered_json& parameters = out["paths"][fmt::format("/api/v1/grids/{{id}}/view.{}", ending)]["get"]["parameters"];
+  const auto add = [&](const char* answer, const ordered_json& options) {
+    ordered_json& parameters = out["paths"][fmt::format("/api/v1/grids/{{id}}/{}", answer)]["get"]["parameters"];
     parameters.insert(parameters.begin() + 2, options.begin(), options.end());  // after the grid and its version
-  }
+  };
+  for (const char* answer : {"view.png", "view.bin", "view.json"}) add(answer, parameters_of(render_options()));
+  for (const char* answer : {"slice/plane.png", "slice/plane.bin"}) add(answer, parameters_of(plane_options(), "plane"));
   const ordered_json shared = std::move(out["shared"]);
   out.erase("shared");
   out["servers"].push_back({{"url", request.prefix.empty() ? "/" : request.prefix}});

@@ -1,9 +1,10 @@
-// A slice as a picture.
+// A slice as a picture; and one along any plane, as a picture or as sets of labels.
 #include "server/api/answers.hpp"
 
 #include <fmt/format.h>
 
 #include "server/parts/picture_parts.hpp"
+#include "server/render/plane.hpp"
 
 namespace teracell::server {
 namespace {
@@ -27,8 +28,42 @@ Response answer_slice(const GridRequest& r) {
   return picture_answer(r, "slice", view);
 }
 
+Response answer_plane(const GridRequest& r) {
+  const auto [name, extension] = split_name(r.rest[1]);
+  if (name != "plane" || (extension != ".png" && extension != ".bin"))
+    throw not_found(fmt::format("expected plane.png or plane.bin, found '{}'", r.rest[1].substr(0, 48)));
+  const bool is_picture = extension == ".png";
+  std::vector<std::string_view> known = {"v", "window", is_picture ? "materials" : "bodies"};
+  for (const RenderOption& option : plane_options()) known.push_back(option.name);
+  r.target.allow(known);
+  if (!r.target.find("plane")) throw bad_request("plane: expected it, as in plane=1,1,0,25, found none");
+  PlaneView view = parse_plane_view([&](std::string_view option) { return r.target.find(option); }, r.meta().grid, "");
+  const PixelWindow window = window_of(r.target, view.i1, view.j1);
+  if (const uint64_t most = std::min(r.service.options().max_pixels, kMostOutlined); window.height() > most / window.width())
+    throw bad_request(fmt::format("window: expected at most {} pixels, found {} x {}: ask for the picture part by part", most, window.width(), window.height()));
+  const int64_t height = view.j1;
+  view.i0 = window.x0, view.i1 = window.x1, view.j0 = height - window.y1, view.j1 = height - window.y0;
+  if (is_picture)
+    return r.answer({.route = "plane", .content_type = "image/png", .make = [&r, view, style = PictureStyle{.shown = materials_asked_for(r)}] {
+                       return picture_png(r.reader(), view, style);
+                     }});
+  return r.answer({.route = "plane_bin", .content_type = "application/octet-stream", .compress = true, .make = [&r, view, bodies = asks_for_bodies(r)] {
+                     return bodies ? raw_label_sets(r.reader(), view) : raw_sets(r.reader(), view);
+                   }});
+}
+
+// A part as large as a tile of a slice costs little more than one.
+Cost cost_of_plane(const Target& target) {
+  const std::string* const window = target.find("window");
+  if (!window) return Cost::kDear;
+  const auto n = integers(*window, 4, "window");
+  const double pixels = (static_cast<double>(n[2]) - static_cast<double>(n[0])) * (static_cast<double>(n[3]) - static_cast<double>(n[1]));
+  return pixels <= kTilePixels * kTilePixels ? Cost::kSeen : Cost::kDear;
+}
+
 }  // namespace
 
 const Answer kSliceAnswer = {"slice", 3, Cost::kDear, answer_slice};
+const Answer kPlaneAnswer = {"slice", 2, Cost::kDear, answer_plane, cost_of_plane};
 
 }  // namespace teracell::server

@@ -52,14 +52,8 @@ Response answer_view_png(const GridRequest& r) {
 Response answer_view_bin(const GridRequest& r) {
   const RenderOptions options = options_of(*r.grid, r.target, {"window", "quick"});
   const PictureSize size = options.aim.camera.size;
-  Window window{0, 0, size.width, size.height};
-  if (const std::string* text = r.target.find("window")) {
-    const auto c = integers(*text, 4, "window");
-    window = {c[0], c[1], c[2], c[3]};
-    if (window.x0 < 0 || window.y0 < 0 || window.x1 > size.width || window.y1 > size.height || window.x0 >= window.x1 || window.y0 >= window.y1)
-      throw bad_request(fmt::format("window: expected X0,Y0,X1,Y1, a part of 0,0,{},{} (half open, not empty), found '{}'", size.width, size.height,
-                                    text->substr(0, 48)));
-  }
+  const PixelWindow asked = window_of(r.target, size.width, size.height);
+  const Window window{asked.x0, asked.y0, asked.x1, asked.y1};
   check_size(r.service, "window", static_cast<uint64_t>(window.width()), static_cast<uint64_t>(window.height()));
   const auto make = [&r, options, window, is_quick = switched_on(r.target, "quick")] {
     return encode_sights(r.reader(), *prepared_for(r, options), options.aim, window, is_quick, 1, kQuietly);

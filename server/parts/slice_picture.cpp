@@ -58,6 +58,8 @@ constexpr Rgba kOutline = {24, 24, 24, 255};
 
 size_t width_of(const SliceView& view) { return static_cast<size_t>(view.u1 - view.u0); }
 size_t height_of(const SliceView& view) { return static_cast<size_t>(view.v1 - view.v0); }
+size_t width_of(const PlaneView& view) { return static_cast<size_t>(view.i1 - view.i0); }
+size_t height_of(const PlaneView& view) { return static_cast<size_t>(view.j1 - view.j0); }
 
 // The numbers of the sets of a view.
 std::vector<uint16_t> numbers_of(const GridReader& reader, const SliceView& view, SetNumbers& sets, bool top_down) {
@@ -65,6 +67,15 @@ std::vector<uint16_t> numbers_of(const GridReader& reader, const SliceView& view
   out.reserve(width_of(view) * height_of(view));
   for_each_row(reader, view, sets.value(), top_down, 1,
                [&](int64_t, std::span<const uint16_t> row) { out.insert(out.end(), row.begin(), row.end()); });
+  return out;
+}
+
+std::vector<uint16_t> numbers_of(const GridReader& reader, const PlaneView& view, SetNumbers& sets, bool top_down) {
+  std::vector<uint16_t> out;
+  out.reserve(width_of(view) * height_of(view));
+  const auto outside = static_cast<uint16_t>(sets.number_of({}));
+  for_each_plane_row(reader, view, sets.value(), outside, top_down, 1,
+                     [&](int64_t, std::span<const uint16_t> row) { out.insert(out.end(), row.begin(), row.end()); });
   return out;
 }
 
@@ -143,6 +154,10 @@ std::vector<uint16_t> numbers_from_below(const GridReader& reader, const SliceVi
   return numbers;
 }
 
+std::vector<uint16_t> numbers_from_below(const GridReader& reader, const PlaneView& view, SetNumbers& sets, const FractionReader*) {
+  return numbers_of(reader, view, sets, false);
+}
+
 constexpr size_t kMostMembers = size_t{1} << 20;           // of sets of labels
 constexpr uint16_t kWideMembers = 1, kBodiesNotApart = 2;  // flags
 uint16_t width_flag(const Metadata& meta) { return meta.labels.size() > 65536 ? kWideMembers : 0; }
@@ -163,45 +178,15 @@ std::string sets_text(const SetNumbers& sets, std::span<const uint16_t> numbers,
   return out;
 }
 
-}  // namespace
-
-std::string picture_png(const GridReader& reader, const SliceView& view, const PictureStyle& style) {
-  SetNumbers sets(reader.meta());
-  std::vector<uint16_t> numbers = style.outline ? outlined_numbers_of(reader, view, sets) : numbers_of(reader, view, sets, true);
-  if (style.shares) {
-    // The outline's number follows those of the sets, of which there may now be more.
-    constexpr uint16_t kOutlined = 65535;
-    const size_t outlined = sets.sets().size();
-    if (style.outline)
-      for (uint16_t& n : numbers) n = n == outlined ? kOutlined : n;
-    shade(reader, *style.shares, view, sets, numbers, style.outline ? std::optional(kOutlined) : std::nullopt,
-          [&](size_t u, size_t v) { return (height_of(view) - 1 - v) * width_of(view) + u; });
-    if (style.outline)
-      for (uint16_t& n : numbers) n = n == kOutlined ? static_cast<uint16_t>(sets.sets().size()) : n;
-  }
-  const MaterialColors of_materials(reader.meta(), style.shown);
-  std::vector<Rgba> colors;
-  for (const auto& set : sets.sets()) colors.push_back(of_materials.of(set));
-  if (style.outline) colors.push_back(kOutline);
-  return encode_png(static_cast<uint32_t>(width_of(view)), static_cast<uint32_t>(height_of(view)), numbers, colors);
-}
-
-std::string raw_labels(const GridReader& reader, const SliceView& view) {
-  const bool wide = wide_labels(reader.meta());
-  std::string out;
-  out.reserve(width_of(view) * height_of(view) * (wide ? 2 : 1));
-  for_each_row(reader, view, strongest_material(reader.meta()), false, 1,
-               [&](int64_t, std::span<const uint16_t> row) { put_labels(out, row, wide); });
-  return out;
-}
-
-std::string raw_sets(const GridReader& reader, const SliceView& view, const FractionReader* shares) {
+template <class View>
+std::string sets_of(const GridReader& reader, const View& view, const FractionReader* shares) {
   SetNumbers sets(reader.meta());
   const std::vector<uint16_t> numbers = numbers_from_below(reader, view, sets, shares);
   return sets_text(sets, numbers, 0);
 }
 
-std::string raw_label_sets(const GridReader& reader, const SliceView& view, const FractionReader* shares) try {
+template <class View>
+std::string label_sets_of(const GridReader& reader, const View& view, const FractionReader* shares) try {
   SetNumbers sets([](const std::vector<Label>& set) { return set; }, kMostMembers);
   const std::vector<uint16_t> numbers = numbers_from_below(reader, view, sets, shares);
   return sets_text(sets, numbers, width_flag(reader.meta()));
@@ -218,5 +203,53 @@ std::string raw_label_sets(const GridReader& reader, const SliceView& view, cons
   const std::vector<uint16_t> numbers = numbers_from_below(reader, view, sets, shares);
   return sets_text(sets, numbers, width_flag(reader.meta()) | kBodiesNotApart);
 }
+
+template <class View>
+std::string png_of(const View& view, std::span<const uint16_t> numbers, const SetNumbers& sets, const Metadata& meta, const PictureStyle& style) {
+  const MaterialColors of_materials(meta, style.shown);
+  std::vector<Rgba> colors;
+  for (const auto& set : sets.sets()) colors.push_back(of_materials.of(set));
+  if (style.outline) colors.push_back(kOutline);
+  return encode_png(static_cast<uint32_t>(width_of(view)), static_cast<uint32_t>(height_of(view)), numbers, colors);
+}
+
+}  // namespace
+
+std::string picture_png(const GridReader& reader, const SliceView& view, const PictureStyle& style) {
+  SetNumbers sets(reader.meta());
+  std::vector<uint16_t> numbers = style.outline ? outlined_numbers_of(reader, view, sets) : numbers_of(reader, view, sets, true);
+  if (style.shares) {
+    // The outline's number follows those of the sets, of which there may now be more.
+    constexpr uint16_t kOutlined = 65535;
+    const size_t outlined = sets.sets().size();
+    if (style.outline)
+      for (uint16_t& n : numbers) n = n == outlined ? kOutlined : n;
+    shade(reader, *style.shares, view, sets, numbers, style.outline ? std::optional(kOutlined) : std::nullopt,
+          [&](size_t u, size_t v) { return (height_of(view) - 1 - v) * width_of(view) + u; });
+    if (style.outline)
+      for (uint16_t& n : numbers) n = n == kOutlined ? static_cast<uint16_t>(sets.sets().size()) : n;
+  }
+  return png_of(view, numbers, sets, reader.meta(), style);
+}
+
+std::string picture_png(const GridReader& reader, const PlaneView& view, const PictureStyle& style) {
+  SetNumbers sets(reader.meta());
+  const std::vector<uint16_t> numbers = numbers_of(reader, view, sets, true);
+  return png_of(view, numbers, sets, reader.meta(), style);
+}
+
+std::string raw_labels(const GridReader& reader, const SliceView& view) {
+  const bool wide = wide_labels(reader.meta());
+  std::string out;
+  out.reserve(width_of(view) * height_of(view) * (wide ? 2 : 1));
+  for_each_row(reader, view, strongest_material(reader.meta()), false, 1,
+               [&](int64_t, std::span<const uint16_t> row) { put_labels(out, row, wide); });
+  return out;
+}
+
+std::string raw_sets(const GridReader& reader, const SliceView& view, const FractionReader* shares) { return sets_of(reader, view, shares); }
+std::string raw_sets(const GridReader& reader, const PlaneView& view) { return sets_of(reader, view, nullptr); }
+std::string raw_label_sets(const GridReader& reader, const SliceView& view, const FractionReader* shares) { return label_sets_of(reader, view, shares); }
+std::string raw_label_sets(const GridReader& reader, const PlaneView& view) { return label_sets_of(reader, view, nullptr); }
 
 }  // namespace teracell::server

@@ -1,7 +1,7 @@
 // Slices as pictures and as labels, made from the store's rows. The dashboard and the tiles of other viewers show these.
 #pragma once
 #include "server/service/service.hpp"
-#include "store/read/slice.hpp"
+#include "store/read/plane.hpp"
 
 namespace teracell::server {
 
@@ -17,6 +17,8 @@ struct PictureStyle {
 
 // The view as PNG, the row with the highest v on top. REQUIRES: it has at most kMostOutlined pixels; picture_parts.hpp makes larger ones.
 std::string picture_png(const GridReader& reader, const SliceView& view, const PictureStyle& style = {});
+// The same of a plane; what lies outside the grid is transparent. REQUIRES: the style has neither outlines nor shares.
+std::string picture_png(const GridReader& reader, const PlaneView& view, const PictureStyle& style = {});
 
 // The cells of the view as the ids of their strongest materials, row v0 first, written by put_labels().
 std::string raw_labels(const GridReader& reader, const SliceView& view);
@@ -29,5 +31,8 @@ std::string raw_sets(const GridReader& reader, const SliceView& view, const Frac
 // labels have four bytes when there are more than 65536 labels (flag 1), otherwise two; the cells. Where a view has more different sets
 // than can be numbered, each label is replaced by the first one of its material (flag 2).
 std::string raw_label_sets(const GridReader& reader, const SliceView& view, const FractionReader* shares = nullptr);
+// Both of a plane. The first set has no members: it stands for what lies outside the grid.
+std::string raw_sets(const GridReader& reader, const PlaneView& view);
+std::string raw_label_sets(const GridReader& reader, const PlaneView& view);
 
 }  // namespace teracell::server

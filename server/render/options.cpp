@@ -34,10 +34,10 @@ constexpr RenderOption kOptions[] = {
     {"flat", "", "the materials' colours alone: no shading, no smoothing"},
 };
 
-class Options {
+class Options : OptionWords {
  public:
   Options(const OptionText& text, const GridReader& reader, std::string_view dashes)
-      : text_(text), reader_(reader), meta_(reader.meta()), dashes_(dashes) {}
+      : OptionWords(dashes), text_(text), reader_(reader), meta_(reader.meta()) {}
 
   RenderOptions parse() const {
     RenderOptions out;
@@ -55,25 +55,6 @@ class Options {
   }
 
  private:
-  [[noreturn]] void refuse(std::string_view name, std::string_view expected, std::string_view found) const {
-    throw UsageError(fmt::format("{}{}: expected {}, found '{}'", dashes_, name, expected, found));
-  }
-
-  double number(std::string_view name, std::string_view text, const char* expected) const {
-    const auto value = number_in<double>(text);
-    if (!value || std::abs(*value) > 1e75) refuse(name, expected, text);  // no grid has larger coordinates
-    return *value;
-  }
-
-  Vec3 point(std::string_view name, const std::string& text) const {
-    const auto words = split(text, ',');
-    constexpr const char* kExpected = "three numbers up to 1e75, as in 1,2,3";
-    if (words.size() != 3) refuse(name, kExpected, text);
-    Vec3 out;
-    for (size_t d = 0; d < 3; ++d) out[d] = number(name, words[d], kExpected);
-    return out;
-  }
-
   PictureSize picture_size() const {
     const std::string* const text = text_("size");
     if (!text) return {};
@@ -101,8 +82,8 @@ class Options {
   Camera camera(PictureSize size, const RenderOptions& options, bool domain) const {
     if (const std::string* view = text_("view")) {
       for (const char* other : {"from", "at", "up", "fov"})
-        if (text_(other)) throw UsageError(fmt::format("{0}view: expected alone, found with {0}{1}", dashes_, other));
-      if (domain) throw UsageError(fmt::format("{0}view: expected alone, found with {0}domain: it shows the whole grid", dashes_));
+        if (text_(other)) throw UsageError(fmt::format("{0}view: expected alone, found with {0}{1}", dashes(), other));
+      if (domain) throw UsageError(fmt::format("{0}view: expected alone, found with {0}domain: it shows the whole grid", dashes()));
       const bool positive = !view->starts_with('-');
       const auto axis = axis_named(std::string_view(*view).substr(positive ? 0 : 1));
       if (!axis) refuse("view", "x, y, z, -x, -y or -z", *view);
@@ -121,11 +102,11 @@ class Options {
     }
     const std::string *from = text_("from"), *at = text_("at");
     if (domain && from && at)
-      throw UsageError(fmt::format("{0}domain: expected without {0}from or without {0}at, which it gives, found with both", dashes_));
+      throw UsageError(fmt::format("{0}domain: expected without {0}from or without {0}at, which it gives, found with both", dashes()));
     const DefaultView usual = from && at ? DefaultView{} : default_view(meta_.grid, domain ? meta_.grid.box(0) : box_shown(options));
     const Vec3 eye = from ? point("from", *from) : usual.from, target = at ? point("at", *at) : usual.at;
     if (eye == target)
-      throw UsageError(fmt::format("{0}from, {0}at: expected two points, found ({1}, {2}, {3}) twice", dashes_, eye[0], eye[1], eye[2]));
+      throw UsageError(fmt::format("{0}from, {0}at: expected two points, found ({1}, {2}, {3}) twice", dashes(), eye[0], eye[1], eye[2]));
     return perspective_camera(eye, target, up, fov, size);
   }
 
@@ -178,7 +159,7 @@ class Options {
     std::vector<const char*> given;
     for (const char* name : chosen)
       if (text_(name)) given.push_back(name);
-    if (given.size() > 1) throw UsageError(fmt::format("{0}{1}: expected alone, found with {0}{2}", dashes_, given[0], given[1]));
+    if (given.size() > 1) throw UsageError(fmt::format("{0}{1}: expected alone, found with {0}{2}", dashes(), given[0], given[1]));
     if (const std::string* text = text_("materials"))
       return of_names("materials", *text, "materials of this grid",
                       [](const Metadata& meta, const LabelInfo& label) -> const std::string& { return meta.materials[label.material].name; });
@@ -192,7 +173,7 @@ class Options {
   template <class NameOf>
   std::vector<bool> of_names(std::string_view option, const std::string& text, const char* what, NameOf name_of) const {
     std::vector<bool> out(meta_.labels.size());
-    for (const std::string& name : names_in(text, fmt::format("{}{}", dashes_, option))) {
+    for (const std::string& name : names_in(text, fmt::format("{}{}", dashes(), option))) {
       bool found = false;
       for (size_t i = 0; i < out.size(); ++i)
         if (name_of(meta_, meta_.labels[i]) == name) out[i] = found = true;
@@ -239,12 +220,30 @@ class Options {
   const OptionText& text_;
   const GridReader& reader_;
   const Metadata& meta_;
-  const std::string_view dashes_;
 };
 
 }  // namespace
 
 std::span<const RenderOption> render_options() { return kOptions; }
+
+void OptionWords::refuse(std::string_view name, std::string_view expected, std::string_view found) const {
+  throw UsageError(fmt::format("{}{}: expected {}, found '{}'", dashes_, name, expected, found));
+}
+
+double OptionWords::number(std::string_view name, std::string_view text, const char* expected) const {
+  const auto value = number_in<double>(text);
+  if (!value || !(std::abs(*value) <= 1e75)) refuse(name, expected, text);
+  return *value;
+}
+
+Vec3 OptionWords::point(std::string_view name, const std::string& text) const {
+  const auto words = split(text, ',');
+  constexpr const char* kExpected = "three numbers up to 1e75, as in 1,2,3";
+  if (words.size() != 3) refuse(name, kExpected, text);
+  Vec3 out;
+  for (size_t d = 0; d < 3; ++d) out[d] = number(name, words[d], kExpected);
+  return out;
+}
 
 RenderOptions parse_render_options(const OptionText& text, const GridReader& reader, std::string_view dashes) {
   return Options(text, reader, dashes).parse();

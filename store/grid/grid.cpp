@@ -73,6 +73,13 @@ double Axis::shortest_cell() const {
   return shortest;
 }
 
+double Axis::longest_cell() const {
+  if (!is_graded()) return step_;
+  double longest = 0;
+  for (size_t i = 1; i < planes_.size(); ++i) longest = std::max(longest, planes_[i] - planes_[i - 1]);
+  return longest;
+}
+
 int64_t Axis::first_centre_from(double x) const {
   if (is_graded()) {
     int64_t lo = 0, hi = cells_;
@@ -91,6 +98,12 @@ int64_t Axis::first_centre_from(double x) const {
 }
 
 int64_t Axis::cell_at(double x) const {
+  if (!is_graded()) {
+    auto i = static_cast<int64_t>(std::clamp((x - min_) / step_ - static_cast<double>(first_), 0.0, static_cast<double>(cells_ - 1)));
+    while (i + 1 < cells_ && plane(i + 1) <= x) ++i;  // the division was rounded
+    while (i > 0 && plane(i) > x) --i;
+    return i;
+  }
   int64_t lo = 0, hi = cells_ - 1;  // the last cell whose lower plane is at or below x
   while (lo < hi) {
     const int64_t mid = (lo + hi + 1) / 2;

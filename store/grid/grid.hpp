@@ -64,6 +64,7 @@ class Axis {
   double plane(int64_t i) const { return is_graded() ? planes_[i] : min_ + static_cast<double>(first_ + i) * step_; }
 
   double shortest_cell() const;  // the least distance between neighbouring planes
+  double longest_cell() const;   // the largest
 
   // The number of centres below x: the first cell whose centre is at or above x, in [0, cells()].
   int64_t first_centre_from(double x) const;

@@ -121,13 +121,15 @@ for (const path of grids)
     await same(files, `${api}/stats`);
     await same(files, `${api}/leaves.json?refine=5,2&region=0,0,0,${small ? n.join(",") : "300,200,100"}`);
     await same(files, `${api}/slice/z/${n[2] >> 1}.png?level=1`);
+    const middle = info.grid.min.map((low, d) => (low + info.grid.max[d]) / 2).join(",");
+    for (const more of [".png?", ".bin?", ".bin?size=300,200&window=20,30,150,170&"]) await same(files, `${api}/slice/plane${more}plane=30,40,${middle}`);
     for (const from of ["3,-4,2", "-1,0.5,0.2"]) {
       const camera = `from=${from.split(",").map((f, d) => info.grid.min[d] + f * (info.grid.max[d] - info.grid.min[d])).join(",")}&size=320,240`;
       for (const more of ["", "&quick=1", "&window=100,50,180,90"]) await same(files, `${api}/view.bin?${camera}${more}`);
       await same(files, `${api}/view.json?${camera}&pixel=160.5,120.5`);
       await same(files, `${api}/view.png?${camera}`);
     }
-    for (const wrong of ["/tile/z/0/0/0_0.gif", "/tile/q/0/0/0_0.png", "/cell?i=1", "/nothing", "/slice/z/99999999.png", "/column/x/1", "/stats?region=1,2", "/leaves.json"])
+    for (const wrong of ["/tile/z/0/0/0_0.gif", "/tile/q/0/0/0_0.png", "/cell?i=1", "/nothing", "/slice/z/99999999.png", "/slice/plane.png?plane=1,2", "/column/x/1", "/stats?region=1,2", "/leaves.json"])
       await same(files, api + wrong);
     files.close();
   });

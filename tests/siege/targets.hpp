@@ -1,6 +1,7 @@
 // What the server's routes can be asked for: every one of them, with the least and the most that it may be asked for at once.
 #pragma once
 #include <algorithm>
+#include <cstring>
 #include <string>
 #include <vector>
 
@@ -52,6 +53,9 @@ inline std::vector<std::string> targets_of(const Metadata& meta, int levels) {
   const auto corner = [&](int64_t x, int64_t y, int64_t z) {
     return fmt::format("{},{},{}", meta.grid.axis[0].plane(x), meta.grid.axis[1].plane(y), meta.grid.axis[2].plane(z));
   };
+  for (const int level : some)
+    for (const char* ending : {"png", "bin", "bin?bodies=1"})
+      out.push_back(fmt::format("{}/slice/plane.{}{}plane=30,40,{}&level={}", api, ending, std::strchr(ending, '?') ? "&" : "?", corner(n0[0] / 2, n0[1] / 2, n0[2] / 2), level));
   const std::string first = corner(0, 0, 0);
   for (const std::string& last : {corner(n0[0], n0[1], n0[2]), corner(n0[0], 0, 0), corner(0, n0[1], 0), corner(0, 0, n0[2])})
     out.push_back(fmt::format("{}/line?from={}&to={}", api, first, last));

@@ -23,7 +23,7 @@ test("a link shows the same picture to everybody who opens it", async () => {
   await page.keyboard.up("Control");
   await page.mouse.wheel(0, 100);
   await page.getByRole("button", { name: `Show ${info_of("stadium").materials[3].name}` }).click();
-  await page.keyboard.press("o");
+  await page.keyboard.press("e");
   await settled(page);
   await page.waitForFunction(() => location.hash.includes("outline=1")); // the address follows after a moment
   const address = page.url();

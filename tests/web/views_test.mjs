@@ -190,7 +190,7 @@ test("the keys", async () => {
   await page.keyboard.press(",");
   await page.keyboard.press("Shift+<");
   assert.deepEqual(await state(page, "cell"), [i, j - 10, k]);
-  for (const [key, name] of [["a", "show_axes"], ["b", "show_scale"], ["l", "show_lines"], ["o", "show_outline"]]) {
+  for (const [key, name] of [["a", "show_axes"], ["b", "show_scale"], ["l", "show_lines"], ["e", "show_outline"]]) {
     const was = await state(page, name);
     await page.keyboard.press(key);
     assert.equal(await state(page, name), !was, key);
@@ -315,7 +315,7 @@ test("keys act on the view whose panel is in use, with its bar and the overview,
   ]) {
     await control.focus();
     const outlines = await state(page, "show_outline");
-    await page.keyboard.press("o");
+    await page.keyboard.press("e");
     assert.equal(await state(page, "show_outline"), !outlines);
     await page.keyboard.press("h");
     await page.getByRole("dialog").waitFor();

@@ -54,7 +54,7 @@ export function Layers({ viewer }: { viewer: Viewer }) {
           <Layer label="Crosshair and axes" shortcut="a" shown={viewer.show_axes} />
           <Layer label="Scale bar" shortcut="b" shown={viewer.show_scale} />
           <Layer label="Lines between cells" shortcut="l" shown={viewer.show_lines} />
-          <Layer label="Outlines of materials" shortcut="o" shown={viewer.show_outline} />
+          <Layer label="Outlines of materials" shortcut="e" shown={viewer.show_outline} />
           <Layer label="Leaves of the refined grid" shortcut="r" shown={viewer.show_leaves} />
           {viewer.has_shares && <Layer label="Mixed cells by their shares" shortcut="s" shown={viewer.show_shares} />}
         </div>
@@ -73,7 +73,7 @@ export function Toolbar({ viewer }: { viewer: Viewer }) {
       <Tool
         icon="outline"
         label="Outline materials"
-        shortcut="o"
+        shortcut="e"
         pressed={show_outline.value}
         click={() => (show_outline.value = !show_outline.value)}
       />

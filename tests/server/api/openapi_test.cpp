@@ -3,7 +3,7 @@
 
 #include "server/api/answers.hpp"
 #include "server/parts/slice_picture.hpp"
-#include "server/render/options.hpp"
+#include "server/render/plane.hpp"
 #include "store/check/check.hpp"
 #include "store/check/check_json.hpp"
 #include "tests/server/served.hpp"
@@ -59,9 +59,13 @@ TEST_CASE("Every answer is described, and what the program fills in", "[server]"
   CHECK(text.find("/shared/") == std::string::npos);
   CHECK(text.find("/zarr, ") != std::string::npos);
   CHECK(text.find(std::to_string(kMostOutlined)) != std::string::npos);
-  std::multiset<std::string> named;
-  for (const json& p : api["paths"]["/api/v1/grids/{id}/view.png"]["get"]["parameters"]) named.insert(p["name"]);
-  for (const RenderOption& option : render_options()) CHECK(named.count(std::string(option.name)) == 1);
+  const auto has_all = [&](const char* answer, std::span<const RenderOption> options) {
+    std::multiset<std::string> named;
+    for (const json& p : api["paths"][std::string("/api/v1/grids/{id}/") + answer]["get"]["parameters"]) named.insert(p["name"]);
+    return std::ranges::all_of(options, [&](const RenderOption& option) { return named.count(std::string(option.name)) == 1; });
+  };
+  CHECK(has_all("view.png", render_options()));
+  CHECK(has_all("slice/plane.bin", plane_options()));
 }
 
 TEST_CASE("Every address of the description answers as the description says", "[server]") {
@@ -74,7 +78,7 @@ TEST_CASE("Every address of the description answers as the description says", "[
   const std::map<std::string, std::string> values = {{"id", "g"},       {"axis", "z"},    {"index", "4"}, {"level", "1"},    {"col", "0"},
                                                      {"row", "0"},      {"a", "3"},       {"b", "4"},     {"i", "1"},        {"j", "2"},
                                                      {"k", "3"},        {"pixel", "8,8"}, {"with", "g"},  {"from", "0,3,1"}, {"to", "9,40,9"},
-                                                     {"size", "64,48"}, {"refine", "3,1"}};
+                                                     {"size", "64,48"}, {"refine", "3,1"}, {"plane", "30,20,4,20,5"}};
   size_t seen = 0;
   for (const auto& [path, operations] : api["paths"].items()) {
     const json& responses = operations["get"]["responses"];

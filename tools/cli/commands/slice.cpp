@@ -1,5 +1,6 @@
 // teracell slice: one slice as a picture or an array.
 #include <cmath>
+#include <map>
 #include <numeric>
 #include <optional>
 
@@ -8,6 +9,7 @@
 #include "server/picture/leaf_lines.hpp"
 #include "server/picture/picture.hpp"
 #include "server/picture/to_scale.hpp"
+#include "server/render/plane.hpp"
 #include "store/base/error.hpp"
 #include "store/base/output_file.hpp"
 #include "store/text/npy_header.hpp"
@@ -25,8 +27,10 @@ struct SliceArguments {
   std::optional<double> at;
   bool to_scale = false;
   std::optional<int64_t> pixels;
+  std::optional<int> given_level;
   int level = 0, threads = 0;
   std::optional<std::string> refine, want;
+  std::map<std::string, std::string, std::less<>> plane;  // those of plane_options() that slices across an axis don't have
 };
 
 SliceView view_of(const SliceArguments& o, const Metadata& meta) {
@@ -132,6 +136,56 @@ void write_npy(const GridReader& reader, const SliceView& view, const SliceArgum
   });
 }
 
+PlaneView plane_of(const SliceArguments& o, const Grid& grid) {
+  auto words = o.plane;
+  if (o.pixels) words["pixels"] = std::to_string(*o.pixels);
+  if (o.given_level) words["level"] = std::to_string(*o.given_level);
+  const auto given = [&](std::string_view name) -> const std::string* {
+    const auto it = words.find(name);
+    return it == words.end() ? nullptr : &it->second;
+  };
+  return server::parse_plane_view(given, grid, "--");
+}
+
+void write_plane_png(const GridReader& reader, const PlaneView& view, int threads, OutputFile& file) {
+  server::SetColors colors(reader.meta(), view.level);
+  const uint16_t outside = colors.number_of({0, 0, 0, 0});
+  server::PngWriter png(static_cast<uint32_t>(view.i1), static_cast<uint32_t>(view.j1), colors, [&](std::span<const uint8_t> bytes) { file.append(bytes); });
+  for_each_plane_row(reader, view, colors.value(), outside, true, threads, [&](int64_t, std::span<const uint16_t> row) { png.append(row); });
+  png.finish();
+}
+
+// Material 0 outside the grid.
+void write_plane_npy(const GridReader& reader, const PlaneView& view, int threads, OutputFile& file) {
+  const bool wide = wide_labels(reader.meta());
+  file.append(npy_header(wide ? "<u2" : "|u1", {view.j1, view.i1}));
+  Bytes bytes;
+  for_each_plane_row(reader, view, strongest_material(reader.meta()), 0, false, threads, [&](int64_t, std::span<const uint16_t> row) {
+    bytes.clear();
+    put_labels(bytes, row, wide);
+    file.append(bytes);
+  });
+}
+
+// What a picture of a plane can't have, and what only it can.
+void check_options(const SliceArguments& o) {
+  const bool is_plane = o.plane.contains("plane");
+  if (is_plane != o.axis.empty())
+    throw UsageError(fmt::format("--axis, --plane: expected one of them, found {}", is_plane ? "both" : "neither"));
+  const auto refuse = [&](bool given, const char* option) {
+    if (given) throw UsageError(fmt::format("{}: expected {} --plane, found it {} it", option, is_plane ? "it without" : "it with", is_plane ? "with" : "without"));
+  };
+  if (is_plane) {
+    refuse(o.index.has_value(), "--index");
+    refuse(o.at.has_value(), "--at");
+    refuse(!o.region.empty(), "--region");
+    refuse(o.refine.has_value(), "--refine");
+    refuse(o.to_scale, "--true");
+  } else {
+    for (const char* name : {"size", "centre", "pixel"}) refuse(o.plane.contains(name), fmt::format("--{}", name).c_str());
+  }
+}
+
 void run(const SliceArguments& o) {
   const std::string extension = std::filesystem::path(o.output).extension();
   if (extension != ".png" && extension != ".npy")
@@ -141,9 +195,18 @@ void run(const SliceArguments& o) {
                                  o.level != 0 ? fmt::format("level {}", o.level) : "an array"));
   if (o.want && !o.refine) throw UsageError("--want: expected --refine M,N with it, found none");
   if (o.to_scale && extension == ".npy") throw UsageError("--true: expected a picture, found an array: its cells have no widths");
-  if (o.pixels && !o.to_scale) throw UsageError("--pixels: expected --true too: other pictures have a pixel per cell");
+  check_options(o);
+  const bool is_plane = o.axis.empty();
+  if (o.pixels && !o.to_scale && !is_plane) throw UsageError("--pixels: expected --true or --plane too: other pictures have a pixel per cell");
   check_output({o.grid.name}, o.output);
   const GridReader reader = open_grid(o.grid);
+  if (is_plane) {
+    const PlaneView view = plane_of(o, reader.meta().grid);
+    const Wanted wanted = until_interrupted(o.output);
+    OutputFile file(o.output);
+    (extension == ".png" ? write_plane_png : write_plane_npy)(reader, view, threads_or_all(o.threads), file);
+    return file.commit();
+  }
   const SliceView view = view_of(o, reader.meta());
   const Wanted wanted = until_interrupted(o.output);
   OutputFile file(o.output);
@@ -157,18 +220,24 @@ void run(const SliceArguments& o) {
 Run setup_slice(CLI::App& app) {
   const auto o = std::make_shared<SliceArguments>();
   add_grid(app, o->grid);
-  app.add_option("--axis", o->axis, "the axis that the slice is across: x, y or z")->required();
+  app.add_option("--axis", o->axis, "the axis that the slice is across: x, y or z");
   app.add_option("--index", o->index, "which slice, counted in cells of the level");
   app.add_option("--at", o->at, "the coordinate that the slice holds, instead of --index");
   app.add_option("-o,--output", o->output, "a .png (v points up) or an .npy (material ids, shape [v][u], row 0 is v = 0)")->required();
-  app.add_option("--level", o->level, "the level of the pyramid: its cells are 2^level times as wide (default 0)");
+  app.add_option_function<int>("--level", [o](int level) { o->given_level = o->level = level; },
+                               "the level of the pyramid: its cells are 2^level times as wide (default 0; of a plane, the highest whose cells are at most as wide as a pixel)");
   app.add_option("--region", o->region, "U0,V0,U1,V1: half open, in cells of the level; z-slices have u = x, v = y; y-slices x, z; x-slices y, z");
   app.add_option("--refine", o->refine, "M,N: with lines between the leaves of the grid refined so, as for export");
   app.add_option("--want", o->want, "what is to be how fine, as for export");
   app.add_flag("--true", o->to_scale, "a picture to scale, where an axis is graded; otherwise a pixel is a cell");
   app.add_option("--pixels", o->pixels, fmt::format("its width (default: its longer side has {})", kLongerSide));
+  for (const server::RenderOption& option : server::plane_options()) {
+    const std::string name(option.name);
+    if (app.get_option_no_throw("--" + name) == nullptr)
+      add_word(app, "--" + name, std::string(option.value), std::string(option.help), [o, name](const std::string& text) { o->plane[name] = text; });
+  }
   add_threads(app, o->threads);
-  app.footer("Examples:\n  teracell slice g.tcell --axis z --index 500 -o z.png\n  teracell slice g.tcell --axis x --at 12.5 --level 2 -o x.npy");
+  app.footer("Examples:\n  teracell slice g.tcell --axis z --index 500 -o z.png\n  teracell slice g.tcell --axis x --at 12.5 --level 2 -o x.npy\n  teracell slice g.tcell --plane 45,30,0,0,0 -o cut.png");
   return [o] { run(*o); };
 }
 

@@ -205,6 +205,10 @@ export class GridAddress {
   view(ending: "png" | "bin" | "json", query: string): string {
     return `${this.base}/view.${ending}?${query}&v=${this.hash}`;
   }
+  // The sets of labels that a plane meets, in the format of a tile. `query` says which plane, and what of it.
+  plane(query: string): string {
+    return `${this.base}/slice/plane.bin?${query}${this.bodies}&v=${this.hash}`;
+  }
   // `from` and `to`: a part of its cells, half open.
   column(axis: AxisIndex, a: number, b: number, from?: number, to?: number): string {
     const part = from === undefined ? "" : `from=${from}&to=${to}&`;

@@ -3,7 +3,7 @@
 // It holds where the views look and, of everything else, only what differs from the start. Numbers are written so
 // that they are read back unchanged.
 import { batch, effect } from "@preact/signals";
-import type { AxisIndex, Index3 } from "../base/grid";
+import { AXIS_NAMES, type AxisIndex, type Index3 } from "../base/grid";
 import { is_refinement } from "../base/refinement";
 import { hex_color, rgb_of_color, same_look } from "../base/materials";
 import { say } from "../base/messages";
@@ -127,6 +127,8 @@ export function read_address(viewer: Viewer): void {
     const plane = numbers(query.get("plane"), 3);
     const steepest = Math.max(...(plane ?? []).map(Math.abs));
     if (steepest > 0) viewer.plane_normal.value = plane!.map((n) => (steepest > 1e6 || steepest < 1e-6 ? n / steepest : n)) as [number, number, number];
+    const oblique = ["x", "y", "z"].indexOf(query.get("oblique") ?? "");
+    if (oblique >= 0) viewer.oblique.value = oblique as AxisIndex;
     if (query.get("up") === "y") viewer.sky.value = 1;
     const measure = numbers(query.get("measure"), 7);
     if (measure && [0, 1, 2].includes(measure[0]!)) {
@@ -164,7 +166,9 @@ export function address_of(viewer: Viewer): string {
   const o = viewer.orbit.value;
   if (o) start.set("orbit", [o.azimuth, o.elevation, o.distance, ...o.target].map((x) => Number(x.toPrecision(6))).join(","));
   if (viewer.bodies.value !== "cut") start.set("bodies", viewer.bodies.value);
-  if (viewer.bodies.value === "plane" && viewer.plane_normal.value) start.set("plane", viewer.plane_normal.value.map((x) => Number(x.toPrecision(6))).join(","));
+  if (viewer.oblique.value !== null) start.set("oblique", AXIS_NAMES[viewer.oblique.value]);
+  if ((viewer.bodies.value === "plane" || viewer.oblique.value !== null) && viewer.plane_normal.value)
+    start.set("plane", viewer.plane_normal.value.map((x) => Number(x.toPrecision(6))).join(","));
   if (viewer.sky.value === 1) start.set("up", "y");
   const m = viewer.measure.value;
   if (m) start.set("measure", [m.axis, ...m.from, ...m.to].join(","));

@@ -113,7 +113,8 @@ export class Viewer {
 
   readonly orbit = signal<OrbitState | null>(null); // null: the whole domain is in view
   readonly bodies = signal<BodyMode>("cut");
-  readonly plane_normal = signal<[number, number, number] | null>(null); // of the plane that cuts: towards what is cut away
+  readonly plane_normal = signal<[number, number, number] | null>(null); // of the plane that cuts, towards what is cut away, and of the oblique view
+  readonly oblique = signal<AxisIndex | null>(null); // the slice view in whose place the oblique view is
   readonly sky = signal<1 | 2>(2); // the axis that is up in the overview: y or z
   // The last place that was gone to from a list: the overview flies there. `extent`: a length that is to fill the view.
   readonly visited = signal<{ point: [number, number, number]; extent: number } | null>(null);
@@ -218,6 +219,7 @@ export class Viewer {
       this.orbit.value = null;
       this.bodies.value = "cut";
       this.plane_normal.value = null;
+      this.oblique.value = null;
       this.sky.value = 2;
     });
   }

@@ -4,7 +4,7 @@
 // - for each cell, row v = 0 first, the number of its set: u8 when there are at most 256 sets, otherwise u16.
 // The cells are not copied: reading a tile only costs the work for its few sets.
 import { type Place, TILE, place_name } from "./place";
-import type { SetTable } from "./sets";
+import { OUTSIDE, type SetTable } from "./sets";
 
 export interface Tile {
   readonly place: Place;
@@ -22,9 +22,16 @@ const WIDE = 1; // flags
 const NOT_APART = 2;
 const OVERHEAD = 256; // bytes of the objects around the cells
 
-export function decode_tile(place: Place, size: readonly [number, number], buffer: ArrayBuffer, table: SetTable): Tile {
-  const name = place_name(place);
-  const wrong = (expected: string) => new Error(`tile ${name}: expected ${expected}, found ${buffer.byteLength} bytes`);
+interface Cells {
+  readonly sets: Uint32Array; // numbers in the SetTable; a set without members is OUTSIDE
+  readonly labels: Uint8Array | Uint16Array | null; // places in `sets`; null when sets[0] is everywhere
+  readonly flags: number;
+  readonly bytes: number;
+}
+
+// The cells of a tile, or of a plane. `what` names it in errors.
+export function decode_sets(what: string, [width, height]: readonly [number, number], buffer: ArrayBuffer, table: SetTable): Cells {
+  const wrong = (expected: string) => new Error(`${what}: expected ${expected}, found ${buffer.byteLength} bytes`);
   const view = new DataView(buffer);
   if (buffer.byteLength < 4) throw wrong("a header of 4 bytes");
   const count = view.getUint16(0, true);
@@ -38,19 +45,22 @@ export function decode_tile(place: Place, size: readonly [number, number], buffe
     const n = number_at(at);
     at += width_of;
     if (at + width_of * n > buffer.byteLength) throw wrong(`${count} sets`);
-    sets[s] = table.number_of(Array.from({ length: n }, (_, i) => number_at(at + width_of * i)));
+    sets[s] = n === 0 ? OUTSIDE : table.number_of(Array.from({ length: n }, (_, i) => number_at(at + width_of * i)));
     at += width_of * n;
   }
-  const owners = sets.map((set) => table.owner(set));
-  const apart = (flags & NOT_APART) === 0;
-  const [width, height] = size;
   const cells = width * height;
   const wide = count > 256;
   const length = at + cells * (wide ? 2 : 1);
   if (count === 0 || buffer.byteLength !== length) throw wrong(`${length} bytes for ${width} x ${height} cells and ${count} sets`);
-  if (count === 1) return { place, name, width, height, sets, owners, labels: null, apart, bytes: OVERHEAD };
-  const labels = wide ? new Uint16Array(buffer, at, cells) : new Uint8Array(buffer, at, cells);
-  return { place, name, width, height, sets, owners, labels, apart, bytes: OVERHEAD + length };
+  if (count === 1) return { sets, labels: null, flags, bytes: 0 };
+  return { sets, labels: wide ? new Uint16Array(buffer, at, cells) : new Uint8Array(buffer, at, cells), flags, bytes: length };
+}
+
+export function decode_tile(place: Place, size: readonly [number, number], buffer: ArrayBuffer, table: SetTable): Tile {
+  const name = place_name(place);
+  const { sets, labels, flags, bytes } = decode_sets(`tile ${name}`, size, buffer, table);
+  const owners = sets.map((set) => table.owner(set));
+  return { place, name, width: size[0], height: size[1], sets, owners, labels, apart: (flags & NOT_APART) === 0, bytes: OVERHEAD + bytes };
 }
 
 // The number of the set at a cell of level 0. REQUIRES: the cell lies in the tile.

@@ -4,6 +4,7 @@ import { FRAMES } from "../base/axis";
 import type { AxisIndex, Column, Index3 } from "../base/grid";
 import { say, words_of } from "../base/messages";
 import { get_json } from "../server/api";
+import { SLICE_NORMALS, angles_of, normal_of, turned } from "../oblique/frame";
 import type { ViewName, Viewer } from "../state/viewer";
 
 // Shows one view alone, or all four again.
@@ -14,6 +15,17 @@ export function toggle_layout(viewer: Viewer, view: ViewName): void {
 
 export function toggle_sweep(viewer: Viewer, axis: AxisIndex): void {
   viewer.sweeping.value = viewer.sweeping.value === axis ? null : axis;
+}
+
+// Shows the oblique view in place of a slice view, or that again. Its plane is the one that cuts bodies in three dimensions; the first time it is tilted, so that
+// it shows what the slice does not.
+export function toggle_oblique(viewer: Viewer, axis: AxisIndex): void {
+  if (viewer.compared) return;
+  batch(() => {
+    const on = viewer.oblique.value !== axis;
+    if (on) viewer.plane_normal.value ??= [...normal_of(turned(angles_of(SLICE_NORMALS[axis]), 30, axis === 2 ? -30 : 30))];
+    viewer.oblique.value = on ? axis : null;
+  });
 }
 
 // Shows the whole grid in all views.

@@ -1,6 +1,6 @@
 // The keys of the views, which bindings.ts lists. They act on the view whose panel has the pointer or the focus.
 import type { Signal } from "@preact/signals";
-import { choose_tool, escape, fit, mark_measure, measure_thickness, step_crosshair, toggle_layout, toggle_sweep } from "./actions";
+import { choose_tool, escape, fit, mark_measure, measure_thickness, step_crosshair, toggle_layout, toggle_oblique, toggle_sweep } from "./actions";
 import type { Stage } from "./stage";
 
 const PAN = 64; // CSS pixels
@@ -75,7 +75,8 @@ function actions_of(stage: Stage): Record<string, () => void> {
     a: () => flip(viewer.show_axes),
     b: () => flip(viewer.show_scale),
     l: () => flip(viewer.show_lines),
-    o: () => flip(viewer.show_outline),
+    e: () => flip(viewer.show_outline),
+    o: () => toggle_oblique(viewer, stage.active),
     s: () => viewer.has_shares && flip(viewer.show_shares),
     r: () => flip(viewer.show_leaves),
     p: () => toggle_sweep(viewer, stage.active),

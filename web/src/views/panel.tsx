@@ -5,6 +5,7 @@ import { AXIS_NAMES, type AxisIndex } from "../base/grid";
 import type { ViewName, Viewer } from "../state/viewer";
 import { toggle_layout } from "./actions";
 import { Gestures } from "./gestures";
+import { ObliquePanel } from "./oblique_panel";
 import { SliceBar } from "./slice_bar";
 import type { Stage } from "./stage";
 
@@ -107,6 +108,7 @@ export function SlicePanel({ stage, viewer, axis, side }: { stage: Stage; viewer
         {!side && <MaximiseButton what={`The view across ${name}`} alone={layout === name} toggle={() => toggle_layout(viewer, name)} />}
       </header>
       <SliceBar viewer={viewer} axis={axis} />
+      {viewer.oblique.value === axis && <ObliquePanel viewer={viewer} axis={axis} />}
     </section>
   );
 }

@@ -18,7 +18,7 @@ interface NumberBoxProps {
 
 // A field for a number. What is typed takes effect on Enter, or when the field is left. If it is not a number, the field
 // flashes and shows the earlier one again.
-function NumberBox({ text, label, width, suffix, whole = false, take }: NumberBoxProps) {
+export function NumberBox({ text, label, width, suffix, whole = false, take }: NumberBoxProps) {
   const typed = useSignal<string | null>(null);
   const refused = useSignal(false);
   const finish = () => {
