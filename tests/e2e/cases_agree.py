@@ -1,5 +1,6 @@
 """export, slice, column and stats must agree on the cells of one grid, the stadium."""
 import json
+import math
 import pathlib
 import random
 import shutil
@@ -126,6 +127,40 @@ class Stadium(Case):
         for at, index in ((-150, 0), (-142.5, 0), (-142, 1), (150, 37)):
             _, _, expected = pyramid.plane(shape, cells, "x", index)
             self.assertEqual(self.slice_npy(self.grid, "--axis", "x", "--at", at, "--level", 3)[1], expected, at)
+
+    def test_a_plane_at_any_angle_has_the_cells_of_its_pixels(self):
+        nz, ny, nx = self.shape
+        low, width, height, pixel = (-150, -120, -3), 160, 120, 1.7  # cells are 1 wide
+        colors = [tuple(c) for c in self.colors]
+        for normal, offset, centre in (((1, 2, 3), 60, (10, 3, 20)), ((0.2, -0.1, 1), 5, (-90, 40, 5)), ((1, 0, 0), 17.25, (0, 0, 20))):
+            size = math.sqrt(sum(n * n for n in normal))
+            n = [x / size for x in normal]
+            right = [-n[1] / math.hypot(n[0], n[1]), n[0] / math.hypot(n[0], n[1]), 0]  # z is up
+            up = [n[1] * right[2] - n[2] * right[1], n[2] * right[0] - n[0] * right[2], n[0] * right[1] - n[1] * right[0]]
+            off = offset / size - sum(a * b for a, b in zip(n, centre))
+            middle = [c + off * a for c, a in zip(centre, n)]
+            args = ("--plane", ",".join(map(str, (*normal, offset))), "--centre", ",".join(map(str, centre)), "--pixel", pixel, "--size", f"{width},{height}", "--level", 0)
+            shape, found = self.slice_npy(self.grid, *args)
+            picture = self.slice_png(self.grid, *args)
+            self.assertEqual((shape, (picture.width, picture.height)), ((height, width), (width, height)))
+            inside = 0
+            for j in range(height):
+                for i in range(width):
+                    at = [m + pixel * ((i + 0.5 - width / 2) * r + (j + 0.5 - height / 2) * u) - lo for m, r, u, lo in zip(middle, right, up, low)]
+                    if any(abs(x - round(x)) < 1e-9 for x in at):
+                        continue  # between cells rounding decides
+                    x, y, z = map(math.floor, at)
+                    is_inside = 0 <= x < nx and 0 <= y < ny and 0 <= z < nz
+                    inside += is_inside
+                    material = self.cells[(z * ny + y) * nx + x] if is_inside else 0
+                    color = tuple(picture.rows[height - 1 - j][i])
+                    if found[j * width + i] != material or color != (colors[material] if is_inside else (0, 0, 0, 0)):
+                        self.fail(f"{args}: pixel {i}, {j} at {at}: {found[j * width + i]}, {color}")
+            self.assertGreater(inside, 1000)
+        self.refused(2, ["--axis, --plane", "both"], "slice", self.grid, "--axis", "z", "--index", 3, "--plane", "0,0,1,3", "-o", "p.png")
+        self.refused(2, ["--axis, --plane", "neither"], "slice", self.grid, "--index", 3, "-o", "p.png")
+        self.refused(2, ["--region", "without --plane"], "slice", self.grid, "--plane", "0,0,1,3", "--region", "0,0,1,1", "-o", "p.png")
+        self.refused(2, ["--centre", "with --plane"], "slice", self.grid, "--axis", "z", "--index", 3, "--centre", "0,0,0", "-o", "p.png")
 
     def test_columns_are_rows_of_the_export(self):
         nz, ny, nx = self.shape

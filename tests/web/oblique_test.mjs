@@ -16,7 +16,8 @@ async function open_oblique(at) {
   const page = await open_grid(browser, `${server.url}${at}`);
   page.asked = [];
   page.on("request", (request) => request.url().includes("/slice/plane.bin") && page.asked.push(new URL(request.url()).searchParams));
-  await page.mouse.move(...(await point_of(page, "z", 20, 10)));
+  page.spot = await point_of(page, "z", 20, 10);
+  await page.mouse.move(...page.spot);
   await page.keyboard.press("o");
   await sharp(page);
   return page;
@@ -52,7 +53,7 @@ async function as_the_command_line_has_it(page, grid) {
 }
 
 test("`o` shows the slice along a tilted plane through the crosshair, and again the slice across the axis", async () => {
-  const page = await open_oblique("#g=stadium&zoom=30");
+  const page = await open_oblique("#g=stadium&at=300,200,12&zoom=6");
   assert.ok((await as_the_command_line_has_it(page, "stadium")).size > 1);
   await page.keyboard.press("o");
   assert.equal(await page.locator(".oblique").count(), 0);
@@ -61,9 +62,9 @@ test("`o` shows the slice along a tilted plane through the crosshair, and again 
 });
 
 test("shift and a drag turn the plane, the wheel moves it, a drag moves the picture; the link keeps all of it", async () => {
-  const page = await open_oblique("#g=stadium&zoom=30");
+  const page = await open_oblique("#g=stadium&at=300,200,12&zoom=6");
   const before = await state(page, "plane_normal");
-  const [x, y] = await point_of(page, "z", 20, 10);
+  const [x, y] = page.spot;
   await page.keyboard.down("Shift");
   await page.mouse.down();
   await page.mouse.move(x + 60, y - 25, { steps: 5 });
@@ -88,10 +89,14 @@ test("shift and a drag turn the plane, the wheel moves it, a drag moves the pict
 });
 
 test("a plane goes through three cells that are clicked in any view, and through those that are typed as angles", async () => {
-  const page = await open_oblique("#g=stadium&zoom=30");
+  const page = await open_oblique("#g=stadium&at=300,200,12&zoom=6");
   await page.getByRole("button", { name: "Through three points" }).click();
   const cells = [[3, 5, 7], [40, 9, 12], [20, 44, 30]];
-  for (const cell of cells) await set_state(page, { pinned: cell });
+  for (const [n, cell] of cells.entries()) {
+    await page.getByText(`Click ${["three points", "two more points", "one more point"][n]} in any view`).waitFor();
+    await set_state(page, { pinned: cell });
+  }
+  await page.getByText("in any view; press Escape").waitFor({ state: "detached" });
   const [normal, points] = await page.evaluate((list) => [teracell.viewer.plane_normal.value, list.map((cell) => teracell.viewer.centre_of(cell))], cells);
   const heights = points.map((p) => p.reduce((sum, x, d) => sum + x * normal[d], 0));
   assert.ok(Math.max(...heights) - Math.min(...heights) < 1e-6, String(heights));

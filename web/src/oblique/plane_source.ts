@@ -2,7 +2,7 @@
 // rests. What is not wanted any more is called off.
 import type { GridAddress } from "../base/grid";
 import { ServerError, get } from "../server/api";
-import { type SetTable, UNKNOWN } from "../tiles/sets";
+import { OUTSIDE, type SetTable, UNKNOWN } from "../tiles/sets";
 import { decode_sets } from "../tiles/tile";
 import { type PlaneFrame, dot } from "./frame";
 
@@ -99,7 +99,8 @@ export class PlaneSource {
     const [width, height] = [part.x1 - part.x0, part.y1 - part.y0];
     const query = `${plane_query(aim)}&window=${part.x0},${part.y0},${part.x1},${part.y1}`;
     const buffer = await (await get(this.address.plane(query), { signal, priority: "high" })).arrayBuffer();
-    const { sets, labels } = decode_sets(`of a plane at ${part.x0}, ${part.y0}`, [width, height], buffer, this.sets);
+    const { sets: found, labels } = decode_sets(`a plane at ${part.x0}, ${part.y0}`, [width, height], buffer, this.sets);
+    const sets = found.map((set) => (this.sets.members(set)?.length === 0 ? OUTSIDE : set)); // the server's has no members
     for (let row = 0; row < height; ++row) {
       const to = (part.y1 - 1 - row) * aim.width + part.x0; // the lowest row comes first
       for (let x = 0; x < width; ++x) numbers[to + x] = sets[labels ? labels[row * width + x]! : 0]!;

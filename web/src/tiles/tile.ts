@@ -4,7 +4,7 @@
 // - for each cell, row v = 0 first, the number of its set: u8 when there are at most 256 sets, otherwise u16.
 // The cells are not copied: reading a tile only costs the work for its few sets.
 import { type Place, TILE, place_name } from "./place";
-import { OUTSIDE, type SetTable } from "./sets";
+import type { SetTable } from "./sets";
 
 export interface Tile {
   readonly place: Place;
@@ -23,7 +23,7 @@ const NOT_APART = 2;
 const OVERHEAD = 256; // bytes of the objects around the cells
 
 interface Cells {
-  readonly sets: Uint32Array; // numbers in the SetTable; a set without members is OUTSIDE
+  readonly sets: Uint32Array; // numbers in the SetTable
   readonly labels: Uint8Array | Uint16Array | null; // places in `sets`; null when sets[0] is everywhere
   readonly flags: number;
   readonly bytes: number;
@@ -45,7 +45,7 @@ export function decode_sets(what: string, [width, height]: readonly [number, num
     const n = number_at(at);
     at += width_of;
     if (at + width_of * n > buffer.byteLength) throw wrong(`${count} sets`);
-    sets[s] = n === 0 ? OUTSIDE : table.number_of(Array.from({ length: n }, (_, i) => number_at(at + width_of * i)));
+    sets[s] = table.number_of(Array.from({ length: n }, (_, i) => number_at(at + width_of * i)));
     at += width_of * n;
   }
   const cells = width * height;
