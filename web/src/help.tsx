@@ -24,6 +24,7 @@ export function Help({ viewer }: { viewer: Viewer }) {
     <Dialog class="dialog" shown={help} heading="help-title" onKeyDown={(event) => event.key === "h" && (help.value = false)}>
       <div class="dialog-body">
         <DialogHead shown={help} heading="help-title" text="Gestures and keys" />
+        <p class="note">Keys act on the view under the pointer, or on what the tab key has led to.</p>
         <h3>In a slice</h3>
         <Bindings list={slice_bindings} />
         <h3>In three dimensions</h3>

@@ -20,7 +20,7 @@ export const slice_bindings: readonly Binding[] = [
   { keys: "← → ↑ ↓", does: "move the picture" },
   { keys: "shift + ← → ↑ ↓", does: "move the crosshair in the plane of the slice: one cell of the level shown" },
   { keys: "+ −", does: "zoom" },
-  { keys: "0", does: "show the whole grid" },
+  { keys: "Home, 0", does: "show the whole grid" },
   { keys: "c", does: "centre all views on the crosshair" },
   { keys: "a", does: "show or hide the crosshair and the axes" },
   { keys: "b", does: "show or hide the scale bar" },
