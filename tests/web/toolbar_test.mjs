@@ -62,6 +62,52 @@ test("a place outside the grid is said, in the address and in the bar", async ()
   await close(page);
 });
 
+test("the field for places leads to coordinates, cells and names, says what Enter will do, and takes what the read-out copies", async () => {
+  const page = await open("g=graded", { permissions: ["clipboard-read", "clipboard-write"] });
+  const field = page.getByRole("combobox", { name: /^Go to a place/ });
+  const goals = page.getByRole("listbox", { name: "Places" }).getByRole("option");
+  const go_to = async (text) => {
+    await page.keyboard.press("g");
+    await page.keyboard.type(text); // the first letter is not lost
+    assert.equal(await field.inputValue(), text);
+    const told = await goals.allInnerTexts();
+    await page.keyboard.press("Enter");
+    assert.equal(await field.evaluate((e) => e === document.activeElement), false);
+    return told;
+  };
+  assert.match((await go_to("(5.05; 20.5 30)"))[0], /^x 5\.05, y 20\.5, z 30\.0 mm\s+cell 50, 20, 17/);
+  assert.deepEqual(await state(page, "cell"), [50, 20, 17]);
+  // Both kinds of text are read back as the cell that they were copied from.
+  for (const copy of ["Copy the place as a cell", "Copy the place in mm"]) {
+    await page.evaluate(() => teracell.viewer.go_to_cell([110, 7, 3]));
+    await page.getByRole("button", { name: copy }).click();
+    await page.evaluate(() => teracell.viewer.go_to_cell([0, 0, 0]));
+    await go_to(await page.evaluate(() => navigator.clipboard.readText()));
+    assert.deepEqual(await state(page, "cell"), [110, 7, 3], copy);
+  }
+  // Of two meanings the second one is taken by the arrow key.
+  await page.keyboard.press("g");
+  await page.keyboard.type("9, 8, 7");
+  assert.equal(await goals.count(), 2);
+  await page.keyboard.press("ArrowDown");
+  await page.keyboard.press("Enter");
+  assert.deepEqual(await state(page, "cell"), [9, 8, 7]);
+  assert.match((await go_to("9, 8, 700"))[0], /z = 700.* is outside the grid, which goes from 0.* to 40/);
+  await page.locator(".toast", { hasText: "outside the grid" }).waitFor();
+  assert.equal((await state(page, "cell"))[2], 19);
+  // A name leads to the middle of what has it, which is in view.
+  await go_to("gol");
+  await page.waitForFunction(() => String(teracell.viewer.cell.value) === "50,30,14");
+  const [x, y] = await state(page, "centre");
+  assert.ok(Math.abs(x - 5) < 0.1 && Math.abs(y - 30) < 1);
+  await page.keyboard.press("g");
+  await page.keyboard.type("nothing of the kind");
+  await page.getByText("is no place, and nothing here is called so").waitFor();
+  await page.keyboard.press("Escape");
+  assert.equal(await state(page, "going"), false);
+  await close(page);
+});
+
 for (const [name, width, height] of [["upright", 390, 844], ["on its side", 844, 390]])
   test(`a phone ${name} shows the whole width of the page, and views that can be used`, async () => {
     const page = await open("g=graded", { width, height });

@@ -2,6 +2,7 @@
 import type { ComponentChildren } from "preact";
 import { about, bytes_text, noun, plural, product, sizes } from "./base/format";
 import { grids, unreadable } from "./page";
+import { PlaceField } from "./place_field";
 import { toggle_comparison } from "./state/comparison";
 import { switch_theme, theme } from "./state/theme";
 import type { Layout, Viewer } from "./state/viewer";
@@ -59,6 +60,7 @@ export function Header({ viewer }: { viewer: Viewer | null }) {
       {viewer && <h1 class="grid-name">{viewer.info.id}</h1>}
       {viewer && <Facts viewer={viewer} />}
       <span class="spacer" />
+      {viewer && !viewer.compare.value && <PlaceField viewer={viewer} />}
       {viewer && !viewer.compare.value && <Toolbar viewer={viewer} />}
       {viewer && !viewer.compare.value && <Segmented label="Layout" value={viewer.layout.value} list={LAYOUTS} set={(to) => (viewer.layout.value = to)} />}
       <div class="header-buttons">

@@ -108,6 +108,7 @@ function actions_of(stage: Stage): Record<string, () => void> {
     x: () => choose_tool(viewer, "box"),
     t: () => measure_thickness(viewer, stage.active, viewer.cell.value),
     f: () => flip(viewer.figure),
+    g: () => (viewer.going.value = true),
     h: () => flip(viewer.help),
     Escape: () => escape(viewer),
   };
