@@ -7,7 +7,7 @@
 // picture is drawn as points in space, until the next one has come.
 import { effect, untracked } from "@preact/signals";
 import { words_of } from "../base/messages";
-import { get_json } from "../server/api";
+import { ServerError, get_json } from "../server/api";
 import { returned } from "../server/connection";
 import { on_theme } from "../state/theme";
 import type { Viewer } from "../state/viewer";
@@ -97,7 +97,9 @@ class Overview {
       failed: (error) => {
         chrome.root.dataset.state = "failed";
         chrome.busy.textContent = "";
-        chrome.say(`What is seen could not be loaded: ${words_of(error)}.`, () => this.ask_again());
+        const damaged = error instanceof ServerError && error.code === "damaged";
+        const what = damaged ? "The overview needs a part of the file that can't be read; the slices show the others" : "What is seen could not be loaded";
+        chrome.say(`${what}: ${words_of(error)}.`, () => this.ask_again());
       },
     });
     this.hover = new Hover(

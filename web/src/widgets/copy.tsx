@@ -22,14 +22,16 @@ interface CopyButtonProps {
   label?: string; // beside the icon
   disabled?: boolean;
   small?: boolean;
+  done?: () => void; // is called when the text was copied
 }
 
-export function CopyButton({ text, what, label, disabled = false, small = false }: CopyButtonProps) {
+export function CopyButton({ text, what, label, disabled = false, small = false, done }: CopyButtonProps) {
   const [copied, set_copied] = useState(false);
   const copy = async () => {
     try {
       await copy_text(typeof text === "string" ? text : text());
       set_copied(true);
+      done?.();
       setTimeout(() => set_copied(false), 1500);
     } catch {
       say("The browser did not allow copying. Select the text instead.");
