@@ -108,6 +108,44 @@ test("the field for places leads to coordinates, cells and names, says what Ente
   await close(page);
 });
 
+test("the help offers a first minute: six steps by keys or clicks, each at what it is about, skippable, and never offered again", async () => {
+  const page = await open("g=graded&layout=x&panel=none");
+  const card = page.getByRole("dialog", { name: "Slices" });
+  await page.keyboard.press("?");
+  await page.getByRole("button", { name: "Show me" }).click();
+  await card.waitFor();
+  const heads = [];
+  for (let n = 1; n <= 6; ++n) {
+    await page.getByText(`${n} of 6`).waitFor();
+    await page.waitForFunction(() => document.activeElement.closest(".tour"));
+    await page.waitForFunction(() => {
+      // The card lies in the window, and the ring has the size of something that is in sight.
+      const { left, top, right, bottom } = document.querySelector(".tour").getBoundingClientRect();
+      const ring = document.querySelector(".tour-ring")?.getBoundingClientRect();
+      return left >= 0 && top >= 0 && right <= innerWidth && bottom <= innerHeight && ring?.width > 20 && ring.height > 20;
+    });
+    heads.push(await page.locator(".tour h2").innerText());
+    await page.keyboard.press("Enter");
+  }
+  assert.equal(new Set(heads).size, 5 + 1);
+  assert.equal(await page.locator(".tour, .tour-ring").count(), 0);
+  await page.reload();
+  await page.waitForFunction(() => window.teracell);
+  await page.keyboard.press("?");
+  await page.getByRole("dialog").waitFor();
+  assert.equal(await page.getByRole("button", { name: "Show me" }).count(), 0);
+  await close(page);
+  const other = await open("g=graded");
+  await other.keyboard.press("?");
+  await other.getByRole("button", { name: "Show me" }).click();
+  await other.getByText("1 of 6").waitFor();
+  await other.waitForFunction(() => document.activeElement.closest(".tour"));
+  await other.keyboard.press("Escape");
+  await other.waitForFunction(() => !document.querySelector(".tour"));
+  assert.equal(await other.evaluate(() => localStorage.getItem("teracell-tour")), "seen");
+  await close(other);
+});
+
 for (const [name, width, height] of [["upright", 390, 844], ["on its side", 844, 390]])
   test(`a phone ${name} shows the whole width of the page, and views that can be used`, async () => {
     const page = await open("g=graded", { width, height });

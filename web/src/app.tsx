@@ -15,6 +15,7 @@ import { watch_network } from "./server/connection";
 import { StartPage } from "./start/start_page";
 import { keep_theme } from "./state/theme";
 import { Toasts } from "./toasts";
+import { Tour } from "./tour";
 import { TokenForm } from "./token_form";
 import { Views } from "./views/views";
 import "./style.css";
@@ -65,6 +66,7 @@ function App() {
       </div>
       <Banners />
       {open && <Help viewer={open} />}
+      {open && <Tour viewer={open} />}
       {open && <FigureDialog viewer={open} />}
       <Toasts />
       {dragged.value && <DropHere />}

@@ -7,6 +7,7 @@ import { toggle_comparison } from "./state/comparison";
 import { switch_theme, theme } from "./state/theme";
 import type { Layout, Viewer } from "./state/viewer";
 import { Layers, Toolbar } from "./toolbar";
+import { tour_offered } from "./tour";
 import { Icon, IconButton } from "./widgets/icons";
 import { type Segment, Segmented } from "./widgets/segmented";
 
@@ -88,7 +89,7 @@ export function Header({ viewer }: { viewer: Viewer | null }) {
           />
         )}
         <IconButton icon={dark ? "sun" : "moon"} label={dark ? "Use light colours" : "Use dark colours"} onClick={switch_theme} />
-        {viewer && <IconButton icon="help" label="Help" title="Help (h)" onClick={() => (viewer.help.value = true)} />}
+        {viewer && <IconButton class={`help-button ${tour_offered.value ? "is-new" : ""}`} icon="help" label="Help" title={tour_offered.value ? "Help (h), and a first minute" : "Help (h)"} onClick={() => (viewer.help.value = true)} />}
       </div>
     </header>
   );

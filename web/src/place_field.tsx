@@ -97,7 +97,7 @@ export function PlaceField({ viewer }: { viewer: Viewer }) {
           autocomplete="off"
           autocapitalize="off"
           spellcheck={false}
-          placeholder="Go to x, y, z, a cell, a name (g)"
+          placeholder="Go to a place (g)"
           aria-label="Go to a place: coordinates, a cell, or a name"
           aria-expanded={goals.length > 0}
           aria-controls="place-goals"

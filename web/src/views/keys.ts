@@ -110,6 +110,7 @@ function actions_of(stage: Stage): Record<string, () => void> {
     f: () => flip(viewer.figure),
     g: () => (viewer.going.value = true),
     h: () => flip(viewer.help),
+    "?": () => flip(viewer.help),
     Escape: () => escape(viewer),
   };
 }
