@@ -151,10 +151,55 @@ for (const [name, width, height] of [["upright", 390, 844], ["on its side", 844,
     const page = await open("g=graded", { width, height });
     const { scroll, lowest } = await page.evaluate(() => ({
       scroll: document.documentElement.scrollWidth,
-      lowest: Math.min(...[...document.querySelectorAll(".view-body")].map((body) => body.clientHeight)),
+      lowest: Math.min(...[...document.querySelectorAll(".view-panel:not([hidden]) > .view-body")].map((body) => body.clientHeight)),
     }));
     assert.ok(scroll <= width, `the page is ${scroll} pixels wide`);
     assert.ok(lowest >= 120, `a view is ${lowest} pixels high`);
     await screenshot(page, `phone-${width}`);
     await close(page);
   });
+
+test("a phone has one view at a time, a panel that is pulled up from below, and nothing that is cut off or too small to touch", async () => {
+  const page = await open("g=graded", { width: 360, height: 740, hasTouch: true, isMobile: true });
+  const in_sight = () => page.evaluate(() => [...document.querySelectorAll(".view-panel:not([hidden])")].map((panel) => panel.dataset.view));
+  assert.deepEqual([await in_sight(), await state(page, "panel")], [["z"], null]);
+  // Tabs of the sheet scroll; all else is whole.
+  const wrong = () =>
+    page.evaluate(() =>
+      [...document.querySelectorAll("button, input, select, summary")]
+        .filter((e) => e.checkVisibility() && !e.closest(".overview-triad, [role=tablist]"))
+        .map((e) => [e, e.getBoundingClientRect()])
+        .filter(([, { width, height, left, right }]) => width < 39.5 || height < 39.5 || left < -0.5 || right > innerWidth + 0.5)
+        .map(([e, { width, height, right }]) => `${e.getAttribute("aria-label") ?? e.innerText}: ${width} x ${height}, to ${right}`),
+    );
+  assert.deepEqual(await wrong(), []);
+  for (const [tab, view] of [["Only the slice across x", "x"], ["Only the overview in 3D", "3d"]]) {
+    await page.getByRole("button", { name: tab }).tap();
+    assert.deepEqual(await in_sight(), [view]);
+  }
+  await page.waitForSelector('.overview[data-state="sharp"]');
+  assert.deepEqual(await wrong(), []);
+  // The head of the sheet is pulled up to where the finger is, and down to close it; a tap on a tab opens it as well.
+  const height = () => page.locator("#side-panel").evaluate((e) => e.offsetHeight);
+  const pull = async (to) => {
+    const { x, y } = await page.locator("#side-panel .tabs").boundingBox();
+    await page.mouse.move(x + 60, y + 20);
+    await page.mouse.down();
+    await page.mouse.move(x + 60, to + 20, { steps: 4 });
+    await page.mouse.up();
+  };
+  const closed = await height();
+  await pull(300);
+  assert.equal(await state(page, "panel"), "materials");
+  assert.ok(Math.abs((await height()) - 440) < 4);
+  assert.deepEqual(await wrong(), []);
+  await pull(700);
+  await page.waitForFunction(() => teracell.viewer.panel.value === null);
+  assert.equal(await height(), closed);
+  await page.getByRole("tab", { name: "Report" }).tap();
+  assert.equal(await state(page, "panel"), "report");
+  // A link to all four views shows one of them.
+  await page.evaluate(() => (location.hash = "#g=graded"));
+  await page.waitForFunction(() => teracell.viewer.layout.value === "3d");
+  await close(page);
+});

@@ -82,7 +82,7 @@ export function Tour({ viewer }: { viewer: Viewer }) {
         role="dialog"
         aria-labelledby="tour-head"
         aria-describedby="tour-text"
-        style={spot?.card ?? { visibility: "hidden" }}
+        style={spot?.card ?? { opacity: 0 }}
         onKeyDown={(event) => {
           if (event.key === "Escape") end_tour();
           else if (event.key === "ArrowLeft" && n > 0) to(n - 1);

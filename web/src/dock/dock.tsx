@@ -73,7 +73,7 @@ export function Dock({ viewer }: { viewer: Viewer }) {
       <Pointer viewer={viewer} />
       <section class={`dock-part ${pinned ? "is-pinned" : ""}`} aria-label={pinned ? "Pinned cell" : "Crosshair"}>
         <h2>
-          {pinned ? "Pinned" : "Crosshair"}
+          <span class="dock-name">{pinned ? "Pinned" : "Crosshair"}</span>
           <span class="dock-actions">
             <CopyButton small label="cell" what="the place as a cell" text={cell_text(cell)} />
             <CopyButton small label={viewer.units} what={`the place in ${viewer.units}`} text={coordinates_text(viewer.axes, cell, viewer.info.units)} />

@@ -36,13 +36,14 @@ function is_taken(target: Element, key: string): boolean {
 // `stage_in_use` is called for each key: of two stages, the one that has the pointer or the focus.
 export function attach_keys(stage_in_use: () => Stage): () => void {
   const pointing = watch_pointing();
-  // `first`: before the control that has the focus. That is for the view under the pointer, unless the pointer is on the control.
+  // `first`: before the control that has the focus. That is for the view under the pointer, unless the pointer is on the control, or that is
+  // the card of the first minute.
   const on_key = (event: KeyboardEvent, first: boolean) => {
     const { target, key } = event;
     if (event.ctrlKey || event.metaKey || event.altKey || event.defaultPrevented) return;
     if (target instanceof Element) {
       if (is_elsewhere(target)) return;
-      const control_first = !pointing.at_a_view || target.matches(":hover") || key === "Escape";
+      const control_first = !pointing.at_a_view || target.matches(":hover, [role=dialog] *") || key === "Escape";
       if (control_first === first || (control_first && is_taken(target, key))) return;
     } else if (first) return;
     const stage = stage_in_use();

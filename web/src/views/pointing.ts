@@ -13,7 +13,16 @@ export function watch_pointing(): Pointing {
   let at_a_view = false;
   let pressed = false; // a focus that comes meanwhile is the pointer's
   const look = (under: EventTarget | null) => (at_a_view = under instanceof Element && under.closest(".view-panel") !== null);
-  document.addEventListener("pointermove", (event) => look(event.target), options);
+  // Where something comes or goes under a pointer at rest, browsers report a movement as well.
+  let last = { x: Number.NaN, y: Number.NaN };
+  document.addEventListener(
+    "pointermove",
+    ({ target, screenX: x, screenY: y }) => {
+      if (x !== last.x || y !== last.y) look(target);
+      last = { x, y };
+    },
+    options,
+  );
   document.addEventListener(
     "pointerdown",
     (event) => {
@@ -25,6 +34,7 @@ export function watch_pointing(): Pointing {
   // What was dragged has had all events so far, wherever the pointer went.
   const release = (event: PointerEvent) => {
     pressed = false;
+    last = { x: event.screenX, y: event.screenY };
     look(document.elementFromPoint(event.clientX, event.clientY));
   };
   for (const type of ["pointerup", "pointercancel"] as const) document.addEventListener(type, release, options);
