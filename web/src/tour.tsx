@@ -13,13 +13,13 @@ const GAP = 10; // pixels between the card and what it points at
 export const tour_offered = signal(if_allowed(() => localStorage.getItem(KEY) === null) ?? false);
 const step = signal<number | null>(null);
 
-export function end_tour(): void {
+function end_tour(): void {
   step.value = null;
   tour_offered.value = false;
   if_allowed(() => localStorage.setItem(KEY, "seen"));
 }
 
-export function start_tour(): void {
+function start_tour(): void {
   end_tour(); // it is not offered again, however it ends
   step.value = 0;
 }
@@ -65,10 +65,7 @@ export function Tour({ viewer }: { viewer: Viewer }) {
     };
   }, [now, layout, panel]);
   useEffect(() => {
-    if (n === null) return;
-    // After the dialog has given the focus back to what opened it.
-    const soon = setTimeout(() => card.current?.querySelector<HTMLElement>(".primary")!.focus());
-    return () => clearTimeout(soon);
+    if (n !== null) card.current?.querySelector<HTMLElement>(".primary")!.focus();
   }, [n]);
   if (!now || n === null) return null;
   const last = n + 1 === TOUR.length;
@@ -118,9 +115,10 @@ export function Tour({ viewer }: { viewer: Viewer }) {
 // Stands at the top of the help.
 export function TourOffer({ close }: { close: () => void }) {
   if (!tour_offered.value) return null;
+  // It begins once the dialog is gone: while that is open, nothing else can have the focus.
   const take = () => {
+    addEventListener("close", start_tour, { capture: true, once: true });
     close();
-    start_tour();
   };
   return (
     <div class="tour-offer">
