@@ -61,6 +61,8 @@ const STATES = {
   "help": [`${server.url}#g=graded&layout=z`, settled, key("h"), (page) => page.getByRole("dialog").waitFor()],
   "figure dialog": [`${server.url}#g=graded&layout=z`, settled, key("f"), (page) => page.getByRole("img", { name: "Preview of the figure" }).waitFor()],
   "layers": [`${server.url}#g=graded&layout=z`, settled, click("Layers over the cells")],
+  "first minute": [`${server.url}#g=graded&layout=z`, settled, key("?"), click("Show me"), (page) => page.getByText("1 of 6").waitFor()],
+  "places": [`${server.url}#g=graded&layout=z`, settled, key("g"), (page) => page.keyboard.type("3, 4, 500")],
   "measuring": [`${server.url}#g=graded&layout=z&measure=2,10,10,10,60,40,10`, settled, click("Measure a distance")],
   "drawing a box": [`${server.url}#g=graded&layout=z`, settled, click("Draw a box")],
   "thickness": [`${server.url}#g=graded&layout=z&panel=box`, settled, click("Thickness"), (page) => page.locator("table.stats tbody tr").first().waitFor()],
@@ -76,7 +78,7 @@ const PASSES = [
   {
     screen: "wide",
     colorScheme: "dark",
-    states: ["start page", "token form", "3D as glass, y up", "bodies", "report of a grid with a hole", "share panel", "status panel", "help", "figure dialog", "a pinned cell", "a message"],
+    states: ["start page", "token form", "3D as glass, y up", "bodies", "report of a grid with a hole", "share panel", "status panel", "help", "figure dialog", "first minute", "places", "a pinned cell", "a message"],
   },
   { screen: "phone", colorScheme: "light", states: ["start page", "bodies", "report of a checked grid", "help", "box panel", "figure dialog"] },
   { screen: "landscape", colorScheme: "dark", states: ["start page", "four views"] },

@@ -72,6 +72,8 @@ test("slices show mixed cells as shades, and links keep that", async () => {
   await page.keyboard.press("s");
   const shaded = await color();
   assert.notDeepEqual(shaded, whole);
+  const head = page.locator('[data-view="z"] .view-title');
+  assert.match(await head.innerText(), /shares$/);
   const looks = await page.evaluate(() => teracell.viewer.looks.value);
   // Over the ground, which shines through clear materials.
   const ground = [255, 255, 255];
@@ -89,6 +91,7 @@ test("slices show mixed cells as shades, and links keep that", async () => {
   await screenshot(again, "mixed-shades");
   await page.keyboard.press("s");
   assert.deepEqual(await color(), whole);
+  assert.doesNotMatch(await head.innerText(), /shares/);
   await set_state(page, { show_outline: true, show_shares: true });
   assert.notDeepEqual(await color(), whole);
   await page.getByRole("button", { name: "Layers over the cells" }).click();

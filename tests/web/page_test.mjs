@@ -280,6 +280,49 @@ test("a busy server is asked again", async () => {
   await close(page);
 });
 
+// All text of an element is in sight: none is cut off, and none is replaced by an ellipsis.
+const expect_whole = async (element) =>
+  assert.deepEqual(
+    await element.evaluate((e) => [e, ...e.querySelectorAll("*")].filter((part) => part.scrollWidth > part.clientWidth + 1 && getComputedStyle(part).overflowX !== "visible").map((part) => part.className)),
+    [],
+  );
+
+test("a surface that is dropped on the page: all of what to do with it is said, with the command to copy", async () => {
+  const page = await open_page(browser, `${server.url}#g=graded&layout=z`, { permissions: ["clipboard-read", "clipboard-write"] });
+  await settled(page);
+  const drop = (name) =>
+    page.evaluate((file) => {
+      const dataTransfer = new DataTransfer();
+      dataTransfer.items.add(new File(["solid"], file));
+      document.body.dispatchEvent(new DragEvent("drop", { dataTransfer, bubbles: true, cancelable: true }));
+    }, name);
+  await drop("left wing, final version with a name that is long enough to need a second line.STL");
+  const toast = page.locator(".toast");
+  await expect_whole(toast);
+  await toast.getByRole("button", { name: "Copy the command" }).click();
+  assert.equal(
+    await page.evaluate(() => navigator.clipboard.readText()),
+    "teracell mesh 'left wing, final version with a name that is long enough to need a second line.STL' --cells 200 -o 'left wing, final version with a name that is long enough to need a second line.tcell'",
+  );
+  await screenshot(page, "dropped-surface");
+  await drop("bolt.step");
+  await toast.getByText("teracell mesh bolt.step --cells 200 -o bolt.tcell").waitFor();
+  for (let left = 2; left > 0; --left) await toast.first().getByRole("button", { name: "Dismiss this message" }).click();
+  assert.equal(await toast.count(), 0);
+  await close(page);
+});
+
+test("a link to this machine says, once it is copied, that it leads nowhere else", async () => {
+  const page = await open_page(browser, `${server.url}#g=graded&layout=z&panel=share`, { permissions: ["clipboard-read", "clipboard-write"] });
+  const only = page.getByText("The link works on this machine only");
+  await page.getByRole("button", { name: "Copy link" }).waitFor();
+  assert.equal(await only.count(), 0);
+  await page.getByRole("button", { name: "Copy link" }).click();
+  await only.waitFor();
+  assert.match(await page.evaluate(() => navigator.clipboard.readText()), /^http:\/\/127\.0\.0\.1:\d+\/#g=graded&/);
+  await close(page);
+});
+
 test("a damaged file: the parts that can't be read are striped, a message says so, and the rest is there", async () => {
   const damaged = await serve(join(folder, "damaged"));
   // The window is so large that the whole slice fits with one pixel per cell.
@@ -290,7 +333,7 @@ test("a damaged file: the parts that can't be read are striped, a message says s
   await toast.filter({ hasText: /×\d/ }).waitFor(); // one message for all of it
   assert.equal(await toast.count(), 1);
   assert.match(await toast.innerText(), /The file is damaged: .*damaged\.tcell: level 0 chunk/s);
-  assert.ok((await toast.boundingBox()).height < 70, "a toast is short");
+  await expect_whole(toast);
   await quiet(page);
   await screenshot(page, "damaged");
   const { level, tiles } = await page.evaluate(() => ({ level: teracell.viewer.level[2].value, tiles: teracell.viewer.tiles.damaged.value }));

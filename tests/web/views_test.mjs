@@ -383,6 +383,56 @@ test("a ruler's labels interrupt the crosshair's lines", async () => {
   await close(page);
 });
 
+test("keys go to the view under the pointer, whatever a click has left the focus on; the tab key gives them back to a slider", async () => {
+  const page = await open("stadium");
+  await page.waitForSelector('.overview[data-state="sharp"]');
+  const opacity = page.getByLabel(/^Opacity of/).nth(1);
+  const slider = page.getByRole("slider", { name: "Slice across z", exact: true });
+  const [i, j, k] = await state(page, "cell");
+  const percent = await opacity.inputValue();
+  const keeps = async (what) => {
+    assert.deepEqual([await state(page, "cell"), await opacity.inputValue()], [[i, j, k], percent], what);
+    assert.equal(await page.evaluate(() => Math.max(...[...document.querySelectorAll("*")].map((e) => e.scrollTop))), 0, `${what} scrolls`);
+  };
+  // A click gives the slider of a bar and one of the panel the focus, and leaves their values as they are.
+  for (const control of [slider, opacity]) {
+    const { x, y, width, height } = await control.boundingBox();
+    const { min, max, value } = await control.evaluate(({ min, max, value }) => ({ min: Number(min), max: Number(max), value: Number(value) }));
+    await page.mouse.click(x + 8 + ((width - 16) * (value - min)) / (max - min), y + height / 2);
+    await page.evaluate(([cell, at]) => { teracell.viewer.cell.value = cell; teracell.viewer.pinned.value = at; }, [[i, j, k], null]);
+    await page.mouse.move(...(await point_of(page, "y")));
+    const fitting = await state(page, "zoom");
+    await page.keyboard.press("+");
+    await page.keyboard.press("ArrowLeft");
+    assert.ok((await state(page, "zoom")) > fitting);
+    await page.keyboard.press("Home");
+    await expect_fit(page);
+    await page.locator('[data-view="3d"] canvas').hover(); // it has never been clicked
+    const home = await state(page, "orbit");
+    await page.keyboard.press("ArrowRight");
+    await page.waitForFunction((was) => JSON.stringify(teracell.viewer.orbit.value) !== was, JSON.stringify(home));
+    await page.keyboard.press("Home");
+    await page.waitForFunction(() => teracell.viewer.orbit.value === null);
+    await keeps("a slider that was clicked");
+  }
+  // The pointer still lies on the overview.
+  await page.keyboard.press("Tab");
+  await page.keyboard.press("Shift+Tab");
+  await page.keyboard.press("ArrowLeft");
+  assert.equal(await opacity.inputValue(), String(Number(percent) - 1));
+  await slider.focus();
+  await page.keyboard.press("ArrowRight");
+  assert.deepEqual(await state(page, "cell"), [i, j, k + 1]);
+  // On the control itself, the pointer is not on the view.
+  await slider.hover();
+  await page.mouse.down();
+  await page.mouse.up();
+  const [, , at] = await state(page, "cell");
+  await page.keyboard.press("ArrowRight");
+  assert.deepEqual(await state(page, "cell"), [i, j, at + 1]);
+  await close(page);
+});
+
 test("keys act on a view that is alone; with the overview alone, keys for slices do no harm", async () => {
   const page = await open("stadium", "&layout=x");
   const [i, j, k] = await state(page, "cell");

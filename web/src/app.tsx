@@ -8,13 +8,14 @@ import { FigureDialog } from "./figures/dialog";
 import { Header } from "./header";
 import { Help } from "./help";
 import { grids, opening, start_page, trouble, unreadable, viewer } from "./page";
-import { dragged, watch_drops } from "./module/own_grids";
+import { can_read_files, dragged, watch_drops } from "./module/own_grids";
 import { SidePanel } from "./panels/side_panel";
 import { token_wanted } from "./server/api";
 import { watch_network } from "./server/connection";
 import { StartPage } from "./start/start_page";
 import { keep_theme } from "./state/theme";
 import { Toasts } from "./toasts";
+import { Tour } from "./tour";
 import { TokenForm } from "./token_form";
 import { Views } from "./views/views";
 import "./style.css";
@@ -25,6 +26,17 @@ export function show(element: HTMLElement): void {
   watch_drops();
   element.replaceChildren(); // what was said in case that this does not start
   render(<App />, element);
+}
+
+function DropHere() {
+  return (
+    <div class="drop-here">
+      <p>
+        {can_read_files ? "Drop .tcell files to open them, or a surface (STL, STEP …) to see how it becomes a grid." : "Drop a surface (STL, STEP …) to see how it becomes a grid."}{" "}
+        Nothing is uploaded.
+      </p>
+    </div>
+  );
 }
 
 function App() {
@@ -54,9 +66,10 @@ function App() {
       </div>
       <Banners />
       {open && <Help viewer={open} />}
+      {open && <Tour viewer={open} />}
       {open && <FigureDialog viewer={open} />}
       <Toasts />
-      {dragged.value && <div class="drop-here">Drop .tcell files to open them. Nothing is uploaded.</div>}
+      {dragged.value && <DropHere />}
     </>
   );
 }

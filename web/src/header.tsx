@@ -2,10 +2,12 @@
 import type { ComponentChildren } from "preact";
 import { about, bytes_text, noun, plural, product, sizes } from "./base/format";
 import { grids, unreadable } from "./page";
+import { PlaceField } from "./place_field";
 import { toggle_comparison } from "./state/comparison";
 import { switch_theme, theme } from "./state/theme";
 import type { Layout, Viewer } from "./state/viewer";
 import { Layers, Toolbar } from "./toolbar";
+import { tour_offered } from "./tour";
 import { Icon, IconButton } from "./widgets/icons";
 import { type Segment, Segmented } from "./widgets/segmented";
 
@@ -59,6 +61,7 @@ export function Header({ viewer }: { viewer: Viewer | null }) {
       {viewer && <h1 class="grid-name">{viewer.info.id}</h1>}
       {viewer && <Facts viewer={viewer} />}
       <span class="spacer" />
+      {viewer && !viewer.compare.value && <PlaceField viewer={viewer} />}
       {viewer && !viewer.compare.value && <Toolbar viewer={viewer} />}
       {viewer && !viewer.compare.value && <Segmented label="Layout" value={viewer.layout.value} list={LAYOUTS} set={(to) => (viewer.layout.value = to)} />}
       <div class="header-buttons">
@@ -86,7 +89,7 @@ export function Header({ viewer }: { viewer: Viewer | null }) {
           />
         )}
         <IconButton icon={dark ? "sun" : "moon"} label={dark ? "Use light colours" : "Use dark colours"} onClick={switch_theme} />
-        {viewer && <IconButton icon="help" label="Help" title="Help (h)" onClick={() => (viewer.help.value = true)} />}
+        {viewer && <IconButton class={`help-button ${tour_offered.value ? "is-new" : ""}`} icon="help" label="Help" title={tour_offered.value ? "Help (h), and a first minute" : "Help (h)"} onClick={() => (viewer.help.value = true)} />}
       </div>
     </header>
   );

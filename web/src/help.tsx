@@ -2,6 +2,7 @@
 import { notice_address } from "./module/beside";
 import { is_alone } from "./server/transport";
 import type { Viewer } from "./state/viewer";
+import { TourOffer } from "./tour";
 import { type Binding, comparison_bindings, overview_bindings, slice_bindings } from "./views/bindings";
 import { Dialog, DialogHead } from "./widgets/dialog";
 
@@ -21,9 +22,11 @@ function Bindings({ list }: { list: readonly Binding[] }) {
 export function Help({ viewer }: { viewer: Viewer }) {
   const { help } = viewer;
   return (
-    <Dialog class="dialog" shown={help} heading="help-title" onKeyDown={(event) => event.key === "h" && (help.value = false)}>
+    <Dialog class="dialog" shown={help} heading="help-title" onKeyDown={(event) => ["h", "?"].includes(event.key) && (help.value = false)}>
       <div class="dialog-body">
         <DialogHead shown={help} heading="help-title" text="Gestures and keys" />
+        {!viewer.compare.value && <TourOffer close={() => (help.value = false)} />}
+        <p class="note">Keys act on the view under the pointer, or on what the tab key has led to.</p>
         <h3>In a slice</h3>
         <Bindings list={slice_bindings} />
         <h3>In three dimensions</h3>

@@ -9,6 +9,7 @@ import { connection, returned } from "./server/connection";
 import { is_alone } from "./server/transport";
 import { keep_ground } from "./state/ground";
 import { grid_in_address, keep_address, read_address } from "./state/permalink";
+import { keep_to_one_view } from "./state/phone";
 import { Viewer } from "./state/viewer";
 
 export const grids = signal<readonly GridSummary[] | null>(null); // null while they are not known
@@ -57,7 +58,7 @@ async function open(id: string): Promise<void> {
     read_address(next);
     viewer.value = next;
     document.title = `${info.id} – teracell`;
-    const stops = [keep_address(next), keep_ground(next)];
+    const stops = [keep_to_one_view(next), keep_address(next), keep_ground(next)];
     stop_keeping = () => stops.forEach((stop) => stop());
   } catch (error) {
     if (signal.aborted) return;

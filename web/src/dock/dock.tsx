@@ -4,7 +4,9 @@ import { useEffect } from "preact/hooks";
 import { coordinate, grouped } from "../base/format";
 import { AXES, AXIS_NAMES, type CellAnswer, type Index3 } from "../base/grid";
 import { use_answer, use_settled } from "../server/answer";
+import { cell_text, coordinates_text } from "../state/place_text";
 import type { Viewer } from "../state/viewer";
+import { CopyButton } from "../widgets/copy";
 import { IconButton } from "../widgets/icons";
 import { LabelNames } from "./label_names";
 import { PlaneText, Shares, use_shares } from "./shares";
@@ -71,8 +73,10 @@ export function Dock({ viewer }: { viewer: Viewer }) {
       <Pointer viewer={viewer} />
       <section class={`dock-part ${pinned ? "is-pinned" : ""}`} aria-label={pinned ? "Pinned cell" : "Crosshair"}>
         <h2>
-          {pinned ? "Pinned" : "Crosshair"}
+          <span class="dock-name">{pinned ? "Pinned" : "Crosshair"}</span>
           <span class="dock-actions">
+            <CopyButton small label="cell" what="the place as a cell" text={cell_text(cell)} />
+            <CopyButton small label={viewer.units} what={`the place in ${viewer.units}`} text={coordinates_text(viewer.axes, cell, viewer.info.units)} />
             {pinned ? (
               <>
                 <IconButton class="small" icon="target" label="Look at the pinned cell" onClick={() => viewer.go_to_cell(pinned)} />

@@ -4,6 +4,7 @@ import { signal } from "@preact/signals";
 import { say } from "../base/messages";
 import { ask_again } from "../server/connection";
 import { answer_by, be_alone } from "../server/transport";
+import { advice_for } from "./advice";
 import { has_module, whole_page } from "./beside";
 import { HeldSource, type ListedGrid, held_text, listed_grids } from "./held";
 import { type Checked, LocalGrids } from "./local";
@@ -57,14 +58,21 @@ export function open_own_grids(): void {
   for (const [number, grid] of own.entries()) void grids.add(() => place_of(grid, number), grid.name, checked_of(grid, number));
 }
 
-// Opens the last one of those that can be read. Nothing is uploaded.
-export async function open_files(files: Iterable<File>): Promise<void> {
+// Opens the last one of those that can be read, and says what to do with the others. Nothing is uploaded.
+export async function open_files(files: readonly File[]): Promise<void> {
+  const perhaps = files.filter(({ name }) => {
+    const advice = advice_for(name, can_read_files);
+    if (advice) say(advice.text, advice);
+    return !advice;
+  });
+  if (perhaps.length === 0) return;
+  if (!can_read_files) return say(`${perhaps[0]!.name} is neither a grid nor a surface that teracell knows.`);
   const grids = local_grids();
   let last: string | null = null;
-  for (const file of files) {
+  for (const file of perhaps) {
     const added = await grids.add(() => ({ kind: "file", file, name: file.name }), file.name);
     if ("id" in added) last = added.id;
-    else say(`${file.name} can't be read`, added.wrong);
+    else say(`${file.name} can't be read`, { detail: added.wrong });
   }
   ask_again();
   if (last !== null) location.hash = `#g=${encodeURIComponent(last)}`;
@@ -75,7 +83,6 @@ export const dragged = signal(false);
 
 // What is dropped anywhere on the page is opened.
 export function watch_drops(): void {
-  if (!can_read_files) return;
   const has_files = (event: DragEvent) => event.dataTransfer?.types.includes("Files") ?? false;
   document.addEventListener("dragover", (event) => {
     if (!has_files(event)) return;

@@ -1,4 +1,4 @@
-// Pointer, wheel and keys on the overview's canvas. A left drag orbits. A right or middle drag, or one with shift,
+// Pointer and wheel on the overview's canvas, and its keys. A left drag orbits. A right or middle drag, or one with shift,
 // pans. The wheel and pinching move towards what is under the pointer, a click selects it, and a double click goes
 // there. The arrow keys orbit, + and - move, and Home shows everything.
 import { type Orbit, panned, turned } from "./space/camera";
@@ -17,7 +17,24 @@ interface GestureTarget {
 
 const TURN = 0.4; // degrees per pixel
 const STILL = 4; // pixels that a click may move
-const KEYS: Record<string, readonly [number, number]> = { ArrowLeft: [-5, 0], ArrowRight: [5, 0], ArrowUp: [0, 5], ArrowDown: [0, -5] };
+const TURNED = 5; // degrees per key
+const CLOSER = 1.15;
+
+// What keys do here. Which of the views they are for is the matter of those who know all views.
+export function keys_of(overview: GestureTarget): Record<string, () => void> {
+  const turn = (azimuth: number, elevation: number) => () => overview.move(turned(overview.viewpoint.orbit, azimuth, elevation));
+  const closer = () => overview.dolly(1 / CLOSER);
+  return {
+    ArrowLeft: turn(-TURNED, 0),
+    ArrowRight: turn(TURNED, 0),
+    ArrowUp: turn(0, TURNED),
+    ArrowDown: turn(0, -TURNED),
+    "+": closer,
+    "=": closer,
+    "-": () => overview.dolly(CLOSER),
+    Home: () => overview.fly_home(),
+  };
+}
 
 export function listen_gestures(canvas: HTMLCanvasElement, overview: GestureTarget): () => void {
   const stop = new AbortController();
@@ -80,16 +97,5 @@ export function listen_gestures(canvas: HTMLCanvasElement, overview: GestureTarg
     { passive: false },
   );
   on("dblclick", (event) => void overview.go_to(...place(event)));
-  on("keydown", (event) => {
-    if (event.ctrlKey || event.metaKey || event.altKey) return;
-    const turn = KEYS[event.key];
-    if (turn) overview.move(turned(overview.viewpoint.orbit, turn[0], turn[1]));
-    else if (event.key === "+" || event.key === "=") overview.dolly(1 / 1.15);
-    else if (event.key === "-") overview.dolly(1.15);
-    else if (event.key === "Home") overview.fly_home();
-    else return;
-    event.preventDefault();
-    event.stopPropagation();
-  });
   return () => stop.abort();
 }

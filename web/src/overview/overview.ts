@@ -7,7 +7,7 @@
 // picture is drawn as points in space, until the next one has come.
 import { effect, untracked } from "@preact/signals";
 import { words_of } from "../base/messages";
-import { get_json } from "../server/api";
+import { ServerError, get_json } from "../server/api";
 import { returned } from "../server/connection";
 import { on_theme } from "../state/theme";
 import type { Viewer } from "../state/viewer";
@@ -15,7 +15,7 @@ import { type Orbit, FARTHEST, basis, dollied, dollied_to, dot, project, straigh
 import { type Chrome, make_chrome } from "./chrome";
 import { figure, scenery_of } from "./figure";
 import { point_at } from "./frame";
-import { listen_gestures } from "./gestures";
+import { keys_of, listen_gestures } from "./gestures";
 import { Hover, type Seen } from "./hover";
 import { make_pace } from "./pace";
 import { make_ladder } from "./quality";
@@ -37,8 +37,8 @@ const SAME_PLACE = 400; // milliseconds in which turns of the wheel go to the sa
 const NEAREST = 3; // cells between the camera and what it moves to
 const CLOSER = 0.4; // of the distance, by a double click
 
-// Returns a function that removes it.
-export function mount_overview(host: HTMLElement, viewer: Viewer): () => void {
+// What keys do in it, and a function that removes it.
+export function mount_overview(host: HTMLElement, viewer: Viewer): { keys: Record<string, () => void>; unmount: () => void } {
   const space = space_of(viewer.axes);
   const chrome = make_chrome(host);
   let stage: Stage;
@@ -47,11 +47,11 @@ export function mount_overview(host: HTMLElement, viewer: Viewer): () => void {
   } catch {
     chrome.say("The 3D overview needs WebGL 2, which this browser does not offer. The other views work without it.");
     chrome.root.dataset.state = "failed";
-    return () => chrome.root.remove();
+    return { keys: {}, unmount: () => chrome.root.remove() };
   }
   const overview = new Overview(viewer, space, chrome, stage);
   overview.start(host);
-  return () => overview.stop();
+  return { keys: keys_of(overview), unmount: () => overview.stop() };
 }
 
 class Overview {
@@ -97,7 +97,9 @@ class Overview {
       failed: (error) => {
         chrome.root.dataset.state = "failed";
         chrome.busy.textContent = "";
-        chrome.say(`What is seen could not be loaded: ${words_of(error)}.`, () => this.ask_again());
+        const damaged = error instanceof ServerError && error.code === "damaged";
+        const what = damaged ? "The overview needs a part of the file that can't be read; the slices show the others" : "What is seen could not be loaded";
+        chrome.say(`${what}: ${words_of(error)}.`, () => this.ask_again());
       },
     });
     this.hover = new Hover(

@@ -1,4 +1,5 @@
 // Ways to share: a link to what is shown, a picture of it, one file with the grid in it, and the addresses of the grid for other programs.
+import { useState } from "preact/hooks";
 import { save_blob } from "../base/download";
 import { bytes_text } from "../base/format";
 import type { GridInfo } from "../base/grid";
@@ -13,7 +14,7 @@ import { CodeLine, CopyButton } from "../widgets/copy";
 import { save_picture } from "../views/picture";
 import { Icon } from "../widgets/icons";
 import { use_task } from "../widgets/task";
-import { type Door, NEUROGLANCER, doors, neuroglancer_link, neuroglancer_state } from "./share_links";
+import { type Door, NEUROGLANCER, doors, is_loopback, neuroglancer_link, neuroglancer_state } from "./share_links";
 
 const PAGE = 1_300_000; // bytes of a page without a grid, about
 const about_bytes = (grid: number) => (4 / 3) * grid + PAGE; // base64
@@ -53,7 +54,7 @@ function SavePicture({ viewer }: { viewer: Viewer }) {
 function neuroglancer_note(): string {
   if (has_token()) return "Neuroglancer can't send this server's token, so the server will refuse it.";
   const fetches = "Neuroglancer runs in your browser and fetches the cells from this server";
-  if (["localhost", "127.0.0.1", "[::1]"].includes(location.hostname))
+  if (is_loopback(location.hostname))
     return `${fetches}, which must have been started with --allow-origin ${NEUROGLANCER}. The browser may ask for your permission.`;
   if (location.protocol === "https:")
     return `${fetches}, so your browser must be able to reach it. Behind a proxy it may need --allow-origin ${NEUROGLANCER}.`;
@@ -61,8 +62,10 @@ function neuroglancer_note(): string {
   return `${under_https} Put a server with https in front of this one.`;
 }
 
-// The grid and this page as one HTML file, for somebody who has neither.
-function SavePage({ info }: { info: GridInfo }) {
+const too_large = ({ file }: GridInfo) => file.bytes > MOST_HELD;
+
+// REQUIRES: there is a whole page.
+function SavePageButton({ info }: { info: GridInfo }) {
   const save = async () => {
     const grid = await (await get(`api/v1/grids/${encodeURIComponent(info.id)}/file.tcell`)).blob();
     const { grids } = await list_grids();
@@ -73,23 +76,50 @@ function SavePage({ info }: { info: GridInfo }) {
     save_blob(await page_with(await whole_page!(), `${info.id}.tcell`, grid, checked), `${info.id}.html`);
   };
   const { busy, start } = use_task(save, "The page can't be saved");
+  return (
+    <>
+      <button class="button" onClick={start} disabled={busy || too_large(info)}>
+        <Icon name="save" /> {busy ? "Saving …" : "Save as one file"}
+      </button>
+      {!too_large(info) && <span class="note">{bytes_text(about_bytes(info.file.bytes))}</span>}
+    </>
+  );
+}
+
+// The grid and this page as one HTML file, for somebody who has neither.
+function SavePage({ info }: { info: GridInfo }) {
   if (whole_page === null) return null;
-  const large = info.file.bytes > MOST_HELD;
   return (
     <section>
       <h3>One file for anybody</h3>
       <div class="toolbar">
-        <button class="button" onClick={start} disabled={busy || large}>
-          <Icon name="save" /> {busy ? "Saving …" : "Save as one file"}
-        </button>
-        {!large && <span class="note">{bytes_text(about_bytes(info.file.bytes))}</span>}
+        <SavePageButton info={info} />
       </div>
       <p class="note">
-        {large
+        {too_large(info)
           ? `The grid has ${bytes_text(info.file.bytes)}, and a browser would hold all of it in memory: at most ${bytes_text(MOST_HELD)} fit into one file. “teracell page” writes a folder for a host of files instead.`
           : "An HTML file with this page and the whole grid in it. It opens from a disk or a mail, without a network, in Chromium, Firefox and others."}
       </p>
     </section>
+  );
+}
+
+// What a link that was copied can't do, and what can be sent in its place.
+function OnlyHere({ info }: { info: GridInfo }) {
+  const other = whole_page !== null && !too_large(info);
+  const what = location.protocol === "file:" ? "it names a file of its disk. Send that file, too" : `on another one, ${location.host} means that one`;
+  return (
+    <div class="only-here" role="status">
+      <p>
+        <strong>The link works on this machine only:</strong> {what}. {other && "Anybody can open the grid as one file:"}
+        {!other && location.protocol !== "file:" && "A server that was started with --host is reached from others."}
+      </p>
+      {other && (
+        <div class="toolbar">
+          <SavePageButton info={info} />
+        </div>
+      )}
+    </div>
   );
 }
 
@@ -132,17 +162,19 @@ function FileAlone({ info }: { info: GridInfo }) {
 export function SharePanel({ viewer }: { viewer: Viewer }) {
   const { info } = viewer;
   const here = is_read_here(info.id);
+  const [copied, set_copied] = useState(false);
   return (
     <>
       <section>
         <h3>What you see</h3>
         <div class="toolbar">
-          <CopyButton label="Copy link" what="a link to what you see" text={() => link(viewer)} />
+          <CopyButton label="Copy link" what="a link to what you see" text={() => link(viewer)} done={() => set_copied(true)} />
           <SavePicture viewer={viewer} />
           <button class="button" onClick={() => (viewer.figure.value = true)}>
             <Icon name="picture" /> Figure …
           </button>
         </div>
+        {copied && (location.protocol === "file:" || is_loopback(location.hostname)) && <OnlyHere info={info} />}
         <p class="note">
           The link holds everything that you see, except the choice of light or dark. {must_be_given(info.id) && "The file was given to this page by hand, so the link shows it only where it was given to the page before. "}The
           picture has a scale bar and a legend.

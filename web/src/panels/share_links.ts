@@ -13,6 +13,9 @@ export interface Door {
   note?: string;
 }
 
+// Whether an address leads to the machine alone on which it is opened.
+export const is_loopback = (hostname: string): boolean => /^(localhost|.+\.localhost|127(\.\d+){3}|\[::1\])$/.test(hostname);
+
 export const NEUROGLANCER = "https://neuroglancer-demo.appspot.com";
 const IN_PAGES = "for pages of other sites, start the server with --allow-origin";
 const FITTED = 480; // pixels for the longest side when no zoom is known, as in the layout with the overview alone

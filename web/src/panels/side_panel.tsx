@@ -2,6 +2,7 @@
 import { is_alone } from "../server/transport";
 import type { Panel, Viewer } from "../state/viewer";
 import { IconButton } from "../widgets/icons";
+import { use_sheet } from "../widgets/sheet";
 import { BodiesPanel } from "./bodies";
 import { BoxPanel } from "./box";
 import { LeavesPanel } from "./leaves";
@@ -33,6 +34,7 @@ export function SidePanel({ viewer }: { viewer: Viewer }) {
   const tabs = TABS.filter((t) => t.shown?.(viewer) ?? true);
   const tab = tabs.find((t) => t.panel === shown);
   const care = care_of(viewer.info);
+  const { sheet, head } = use_sheet(shown !== null, (show) => (viewer.panel.value = show ? (viewer.panel.peek() ?? "materials") : null));
   // As usual for tabs, the tab key stops once, and the arrow keys go from one tab to the next.
   const on_key = (event: KeyboardEvent) => {
     const step = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
@@ -45,8 +47,8 @@ export function SidePanel({ viewer }: { viewer: Viewer }) {
     document.getElementById(`tab-${next.panel}`)?.focus();
   };
   return (
-    <aside class={`side-panel ${shown ? "" : "collapsed"}`} id="side-panel" aria-label="Side panel">
-      <div class="tabs">
+    <aside class={`side-panel ${shown ? "" : "collapsed"}`} id="side-panel" aria-label="Side panel" ref={sheet}>
+      <div class="tabs" {...head}>
         <div role="tablist" aria-label="Panels" onKeyDown={on_key}>
           {tabs.map(({ panel, label }, n) => (
             <button

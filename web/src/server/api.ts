@@ -78,8 +78,8 @@ export function drop_complaints(): void {
 function noted(error: ServerError, path: string): ServerError {
   if (error.status === 401) token_wanted.value = true;
   else if (is_version_gone(error, path)) ++version_gone.value;
-  else if (error.code === "damaged") say(DAMAGED, error.message);
-  else if (error.status >= 500 && !is_proxys(error.status)) say(no_answer(), error.message);
+  else if (error.code === "damaged") say(DAMAGED, { detail: error.message });
+  else if (error.status >= 500 && !is_proxys(error.status)) say(no_answer(), { detail: error.message });
   return error;
 }
 

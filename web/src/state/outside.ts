@@ -1,7 +1,7 @@
 // What to say about a place outside the grid, of which the page shows the nearest one inside; null for a place inside. The
 // upper end of an axis counts as inside.
 import type { Axis } from "../base/axis";
-import { coordinate, grouped } from "../base/format";
+import { coordinate, grouped, unit_name } from "../base/format";
 import { AXES, AXIS_NAMES, type AxisIndex } from "../base/grid";
 
 type Axes = readonly [Axis, Axis, Axis];
@@ -18,6 +18,14 @@ export function outside_coordinate(axes: Axes, d: AxisIndex, x: number, units: s
   const text = (value: number) => coordinate(value, axis.finest);
   const range = `from ${text(axis.min)} to ${text(axis.max)} ${units}`;
   return `${AXIS_NAMES[d]} = ${text(x)} ${units} is outside the grid, which goes ${range}: the nearest slice is shown.`;
+}
+
+// A point that somebody names.
+export function outside_place(axes: Axes, point: readonly number[], units: string): string | null {
+  const d = AXES.find((a) => point[a]! < axes[a].min || point[a]! > axes[a].max);
+  if (d === undefined) return null;
+  const text = (value: number) => coordinate(value, axes[d].finest);
+  return `${AXIS_NAMES[d]} = ${text(point[d]!)} ${unit_name(units)} is outside the grid, which goes from ${text(axes[d].min)} to ${text(axes[d].max)} ${unit_name(units)}: the nearest place is shown.`;
 }
 
 // A point that is looked at.

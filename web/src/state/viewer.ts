@@ -88,6 +88,7 @@ export class Viewer {
   readonly compare = signal<Comparison | null>(null); // what the page shows in place of the views
   readonly help = signal(false); // whether the list of gestures and keys is shown
   readonly figure = signal(false); // whether the dialog that saves a figure is shown
+  readonly going = signal(false); // whether the field for a place has the focus
   readonly panel = signal<Panel | null>("materials");
   readonly labels: readonly Label[]; // what the cells carry: materials, or bodies where the file keeps these apart
   readonly looks: Signal<readonly MaterialLook[]>; // of materials

@@ -1,6 +1,8 @@
-// The keys of the views, which bindings.ts lists. They act on the view whose panel has the pointer or the focus.
+// The keys of the views, which bindings.ts lists. They act on the view under the pointer, or on the one that the keyboard has gone to since
+// (pointing.ts).
 import type { Signal } from "@preact/signals";
 import { choose_tool, escape, fit, mark_measure, measure_thickness, step_crosshair, toggle_layout, toggle_oblique, toggle_sweep } from "./actions";
+import { watch_pointing } from "./pointing";
 import type { Stage } from "./stage";
 
 const PAN = 64; // CSS pixels
@@ -11,32 +13,60 @@ const flip = (switched: Signal<boolean>) => (switched.value = !switched.value);
 const is_arrow = (key: string) => key.startsWith("Arrow");
 // The keys that each type of input uses itself. Types that are not named here hold text and use all keys.
 const INPUTS: Record<string, (key: string) => boolean> = {
-  range: (key) => key === " " || is_arrow(key),
+  range: (key) => key === " " || key === "Home" || is_arrow(key),
   radio: (key) => key === " " || key === "Enter" || is_arrow(key),
   checkbox: (key) => key === " " || key === "Enter",
   color: (key) => key === " " || key === "Enter",
 };
 
-// Whether the element that has the focus uses the key itself.
-function is_taken({ target, key }: KeyboardEvent): boolean {
-  if (!(target instanceof HTMLElement)) return false;
-  if (target.closest("dialog, textarea, select, [contenteditable], [role=menu], [role=listbox]")) return true;
-  if (target instanceof HTMLInputElement) return INPUTS[target.type]?.(key) ?? true;
+// Whether all keys are for what has the focus: text is written there, or it lies before the views.
+function is_elsewhere(target: Element): boolean {
+  if (target.closest("dialog, textarea, [contenteditable], [role=menu], [role=listbox]")) return true;
+  return target instanceof HTMLInputElement && !(target.type in INPUTS);
+}
+
+// Whether the control that has the focus uses the key itself.
+function is_taken(target: Element, key: string): boolean {
+  if (target.closest("select")) return true;
+  if (target instanceof HTMLInputElement) return INPUTS[target.type]!(key);
   if (key === " " || key === "Enter") return target.closest("button, a, summary, [role=button], [role=tab]") !== null;
   return is_arrow(key) && target.closest("[role=tab], [role=radio]") !== null;
 }
 
 // `stage_in_use` is called for each key: of two stages, the one that has the pointer or the focus.
 export function attach_keys(stage_in_use: () => Stage): () => void {
-  const on_key = (event: KeyboardEvent) => {
-    if (event.ctrlKey || event.metaKey || event.altKey || event.defaultPrevented || is_taken(event)) return;
-    const action = actions_of(stage_in_use())[is_arrow(event.key) && event.shiftKey ? `Shift+${event.key}` : event.key];
+  const pointing = watch_pointing();
+  // `first`: before the control that has the focus. That is for the view under the pointer, unless the pointer is on the control, or that is
+  // the card of the first minute.
+  const on_key = (event: KeyboardEvent, first: boolean) => {
+    const { target, key } = event;
+    if (event.ctrlKey || event.metaKey || event.altKey || event.defaultPrevented) return;
+    if (target instanceof Element) {
+      if (is_elsewhere(target)) return;
+      const control_first = !pointing.at_a_view || target.matches(":hover, [role=dialog] *") || key === "Escape";
+      if (control_first === first || (control_first && is_taken(target, key))) return;
+    } else if (first) return;
+    const stage = stage_in_use();
+    const name = is_arrow(key) && event.shiftKey ? `Shift+${key}` : key;
+    const action = keys_of_its_own(stage)?.[name] ?? actions_of(stage)[name];
     if (!action) return;
     event.preventDefault();
+    event.stopPropagation();
     action();
   };
-  document.addEventListener("keydown", on_key);
-  return () => document.removeEventListener("keydown", on_key);
+  const listen = (first: boolean) => {
+    const listener = (event: KeyboardEvent) => on_key(event, first);
+    document.addEventListener("keydown", listener, first);
+    return () => document.removeEventListener("keydown", listener, first);
+  };
+  const stops = [pointing.stop, listen(true), listen(false)];
+  return () => stops.forEach((stop) => stop());
+}
+
+// What keys do in the view in use that they don't do in slices across an axis.
+function keys_of_its_own(stage: Stage): Record<string, () => void> | null {
+  if (stage.active_view === "3d") return stage.overview_keys;
+  return stage.viewer.oblique.value === stage.active ? stage.oblique_keys : null;
 }
 
 function actions_of(stage: Stage): Record<string, () => void> {
@@ -72,6 +102,7 @@ function actions_of(stage: Stage): Record<string, () => void> {
     "=": () => zoom(ZOOM),
     "-": () => zoom(1 / ZOOM),
     "0": () => fit(viewer),
+    Home: () => fit(viewer),
     a: () => flip(viewer.show_axes),
     b: () => flip(viewer.show_scale),
     l: () => flip(viewer.show_lines),
@@ -85,7 +116,9 @@ function actions_of(stage: Stage): Record<string, () => void> {
     x: () => choose_tool(viewer, "box"),
     t: () => measure_thickness(viewer, stage.active, viewer.cell.value),
     f: () => flip(viewer.figure),
+    g: () => (viewer.going.value = true),
     h: () => flip(viewer.help),
+    "?": () => flip(viewer.help),
     Escape: () => escape(viewer),
   };
 }

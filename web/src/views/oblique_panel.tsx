@@ -10,16 +10,27 @@ import type { Viewer } from "../state/viewer";
 import { toggle_layout } from "./actions";
 import { MaximiseButton } from "./panel";
 import { NumberBox } from "./slice_bar";
+import type { Stage } from "./stage";
 
 const TURN = 0.4; // degrees per pixel
 const STILL = 4; // CSS pixels that the pointer may move during a click
 const WHEEL = 60; // pixels of scrolling per cell
+const PAN = 64; // CSS pixels per key
+const TURNED = 5; // degrees per key
+const ZOOM = 1.25;
 
 function take_angles(viewer: Viewer, angles: Signal<Angles>, to: Angles): void {
   batch(() => {
     angles.value = to;
     viewer.plane_normal.value = [...normal_of(to)];
   });
+}
+
+// Moves the plane along its normal, by cells of the axis that is nearest to it.
+function step_plane(viewer: Viewer, by: number): void {
+  const { normal } = frame_in(viewer);
+  const axis = steepest(normal);
+  viewer.set_slice(axis, viewer.cell.value[axis] + by * Math.sign(normal[axis]));
 }
 
 function listen(body: HTMLElement, view: PlaneView, viewer: Viewer, angles: Signal<Angles>): () => void {
@@ -39,9 +50,7 @@ function listen(body: HTMLElement, view: PlaneView, viewer: Viewer, angles: Sign
     scrolled += pixels;
     const steps = Math.trunc(scrolled / WHEEL);
     scrolled -= steps * WHEEL;
-    const { normal } = frame_in(viewer);
-    const axis = steepest(normal);
-    if (steps !== 0) viewer.set_slice(axis, viewer.cell.value[axis] + steps * Math.sign(normal[axis]) * (event.shiftKey ? 10 : 1));
+    if (steps !== 0) step_plane(viewer, steps * (event.shiftKey ? 10 : 1));
   });
   on("pointerdown", (event) => {
     body.focus({ preventScroll: true });
@@ -102,7 +111,33 @@ function use_three_points(viewer: Viewer, angles: Signal<Angles>): Signal<Vec3[]
   return points;
 }
 
-export function ObliquePanel({ viewer, axis }: { viewer: Viewer; axis: AxisIndex }) {
+// Arrows move the picture, with shift they turn the plane.
+function keys_of(body: HTMLElement, view: PlaneView, viewer: Viewer, angles: Signal<Angles>): Record<string, () => void> {
+  const zoom = (factor: number) => () => view.zoom_by(factor, body.clientWidth / 2, body.clientHeight / 2);
+  const turn = (azimuth: number, elevation: number) => () => take_angles(viewer, angles, turned(angles.value, azimuth, elevation));
+  const step = (by: number) => () => step_plane(viewer, by);
+  return {
+    ArrowLeft: () => view.pan(PAN, 0),
+    ArrowRight: () => view.pan(-PAN, 0),
+    ArrowUp: () => view.pan(0, PAN),
+    ArrowDown: () => view.pan(0, -PAN),
+    "Shift+ArrowLeft": turn(-TURNED, 0),
+    "Shift+ArrowRight": turn(TURNED, 0),
+    "Shift+ArrowUp": turn(0, TURNED),
+    "Shift+ArrowDown": turn(0, -TURNED),
+    "+": zoom(ZOOM),
+    "=": zoom(ZOOM),
+    "-": zoom(1 / ZOOM),
+    ",": step(-1),
+    ".": step(1),
+    "<": step(-10),
+    ">": step(10),
+    ";": step(-10),
+    ":": step(10),
+  };
+}
+
+export function ObliquePanel({ stage, viewer, axis }: { stage: Stage; viewer: Viewer; axis: AxisIndex }) {
   const body = useRef<HTMLDivElement>(null);
   const view = useRef<PlaneView | null>(null);
   const state = useSignal({ waiting: true, damaged: false, trouble: "" });
@@ -116,7 +151,9 @@ export function ObliquePanel({ viewer, axis }: { viewer: Viewer; axis: AxisIndex
     const element = body.current!;
     const made = (view.current = new PlaneView(viewer, element, (now) => (state.value = now)));
     const stop = listen(element, made, viewer, angles);
+    stage.oblique_keys = keys_of(element, made, viewer, angles);
     return () => {
+      stage.oblique_keys = null;
       stop();
       made.stop();
     };

@@ -24,7 +24,9 @@ export function OverviewPanel({ stage, viewer }: { stage: Stage; viewer: Viewer 
       try {
         const { mount_overview } = await import("../overview/overview");
         if (gone) return;
-        unmount = mount_overview(host.current!, viewer);
+        const mounted = mount_overview(host.current!, viewer);
+        stage.overview_keys = mounted.keys;
+        unmount = mounted.unmount;
         state.value = "there";
       } catch (error) {
         state.value = { trouble: words_of(error) };
@@ -33,9 +35,10 @@ export function OverviewPanel({ stage, viewer }: { stage: Stage; viewer: Viewer 
     void load();
     return () => {
       gone = true;
+      stage.overview_keys = null;
       unmount();
     };
-  }, [viewer, due, attempt.value]);
+  }, [stage, viewer, due, attempt.value]);
   const again = () => {
     state.value = "loading";
     ++attempt.value;

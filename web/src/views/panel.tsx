@@ -37,6 +37,7 @@ function Title({ stage, viewer, axis }: { stage: Stage; viewer: Viewer; axis: Ax
   const a = viewer.axes[axis];
   const level = viewer.level[axis].value;
   const together = Math.min(2 ** level, a.cells);
+  const shares = viewer.has_shares && viewer.show_shares.value;
   return (
     <div class="view-title">
       <span class={`view-chip view-chip-${name}`} aria-hidden="true">
@@ -52,9 +53,14 @@ function Title({ stage, viewer, axis }: { stage: Stage; viewer: Viewer; axis: Ax
       {level > 0 && (
         <span
           class="view-level"
-          title={`Each square shows the materials of ${sizes([together, together, together])} cells (level ${level}). Zoom in to see single cells.`}
+          title={`Each square shows the materials of ${sizes([together, together, together])} cells (level ${level}). Zoom in to see single cells${shares ? ", the mixed ones by their shares" : ""}.`}
         >
           level {level}
+        </span>
+      )}
+      {shares && level === 0 && (
+        <span class="view-level" title="A mixed cell has the mean colour of what is in it, by its shares. Press s to see each cell as one material.">
+          shares
         </span>
       )}
       {stage.damaged[axis].value && (
@@ -108,7 +114,7 @@ export function SlicePanel({ stage, viewer, axis, side }: { stage: Stage; viewer
         {!side && <MaximiseButton what={`The view across ${name}`} alone={layout === name} toggle={() => toggle_layout(viewer, name)} />}
       </header>
       <SliceBar viewer={viewer} axis={axis} />
-      {viewer.oblique.value === axis && <ObliquePanel viewer={viewer} axis={axis} />}
+      {viewer.oblique.value === axis && <ObliquePanel stage={stage} viewer={viewer} axis={axis} />}
     </section>
   );
 }

@@ -61,6 +61,9 @@ export class Stage {
   // slices.
   active_view: ViewName = "z";
   active: AxisIndex = 2;
+  // What keys do in the overview, once it is there.
+  overview_keys: Readonly<Record<string, () => void>> | null = null;
+  oblique_keys: Readonly<Record<string, () => void>> | null = null;
 
   private readonly palette = new Palette(this.sets);
   private ink: Ink | null = null;

@@ -21,14 +21,17 @@ interface CopyButtonProps {
   what: string; // goes after "Copy"
   label?: string; // beside the icon
   disabled?: boolean;
+  small?: boolean;
+  done?: () => void; // is called when the text was copied
 }
 
-export function CopyButton({ text, what, label, disabled = false }: CopyButtonProps) {
+export function CopyButton({ text, what, label, disabled = false, small = false, done }: CopyButtonProps) {
   const [copied, set_copied] = useState(false);
   const copy = async () => {
     try {
       await copy_text(typeof text === "string" ? text : text());
       set_copied(true);
+      done?.();
       setTimeout(() => set_copied(false), 1500);
     } catch {
       say("The browser did not allow copying. Select the text instead.");
@@ -36,9 +39,9 @@ export function CopyButton({ text, what, label, disabled = false }: CopyButtonPr
   };
   const name = `Copy ${what}`;
   return (
-    <button class={label ? "button" : "icon-button"} title={name} aria-label={label ? undefined : name} onClick={copy} disabled={disabled}>
+    <button class={`${label ? "button" : "icon-button"} ${small ? "small" : ""}`} title={name} aria-label={small || !label ? name : undefined} onClick={copy} disabled={disabled}>
       <Icon name={copied ? "done" : "copy"} />
-      {label && <span>{copied ? "Copied" : label}</span>}
+      {label && <span>{copied && !small ? "Copied" : label}</span>}
     </button>
   );
 }

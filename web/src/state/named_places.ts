@@ -1,0 +1,53 @@
+// What has a name in a grid and lies somewhere: bodies, parts of assemblies with all that is below them, and materials.
+import { noun } from "../base/format";
+import type { Stats } from "../base/grid";
+import { by_name, contains } from "../base/names";
+import { type Branch, type Leaf, is_branch, part_tree } from "../base/part_tree";
+import type { Box, Viewer } from "./viewer";
+
+export interface NamedPlace {
+  readonly name: string;
+  readonly kind: string; // as people read it: "body", "part of 12 bodies"
+  readonly of: "bodies" | "materials";
+  readonly ids: readonly number[]; // labels of bodies, or ids of materials
+}
+
+const branches_of = (list: readonly (Branch | Leaf)[]): Branch[] => list.flatMap((child) => (is_branch(child) ? [child, ...branches_of(child.children)] : []));
+
+// The background has no place of its own.
+export function named_places({ labels, info, keeps_bodies }: Pick<Viewer, "labels" | "info" | "keeps_bodies">): NamedPlace[] {
+  const bodies = keeps_bodies ? labels.flatMap(({ body }, id) => (body ? [{ name: body, kind: "body", of: "bodies" as const, ids: [id] }] : [])) : [];
+  const materials = info.materials.slice(1).map(({ id, name }) => ({ name, kind: "material", of: "materials" as const, ids: [id] }));
+  const items = keeps_bodies ? bodies : materials;
+  const parts = branches_of(part_tree(items.map(({ name }) => name)) ?? []).map(({ path, places }) => ({
+    name: path,
+    kind: `part of ${places.length} ${keeps_bodies ? noun(places.length, "body", "bodies") : noun(places.length, "material")}`,
+    of: items[0]!.of,
+    ids: places.map((place) => items[place]!.ids[0]!),
+  }));
+  return [...parts, ...bodies, ...materials];
+}
+
+// Those whose names contain a text: the whole name first, then what begins with it, or has a step of its path that does.
+export function places_named(list: readonly NamedPlace[], text: string, most: number): NamedPlace[] {
+  const wanted = text.trim().toLowerCase();
+  if (wanted === "") return [];
+  const rank = ({ name }: NamedPlace) => {
+    const own = name.toLowerCase();
+    return own === wanted || own === `/${wanted}` ? 0 : own.startsWith(wanted) || own.includes(`/${wanted}`) ? 1 : 2;
+  };
+  return list
+    .filter(({ name }) => contains(name, wanted))
+    .map((place) => ({ place, rank: rank(place) }))
+    .sort((a, b) => a.rank - b.rank || by_name(a.place.name, b.place.name))
+    .slice(0, most)
+    .map(({ place }) => place);
+}
+
+// The box of cells in which it lies; null when it owns none. REQUIRES: of bodies, `stats` has them.
+export function box_of_place({ of, ids }: NamedPlace, stats: Stats): Box | null {
+  const boxes = ids.flatMap((id) => (of === "bodies" ? stats.bodies : stats.materials)?.[id]?.box ?? []);
+  if (boxes.length === 0) return null;
+  const ends = (from: number, most: (...x: number[]) => number) => [0, 1, 2].map((d) => boxes.filter((_, n) => n % 6 === from + d).reduce((a, b) => most(a, b)));
+  return [...ends(0, Math.min), ...ends(3, Math.max)] as Box;
+}
