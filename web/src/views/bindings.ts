@@ -34,7 +34,7 @@ export const slice_bindings: readonly Binding[] = [
   { keys: "x", does: "draw a box with one drag, for its statistics; its handles move it" },
   { keys: "f", does: "save a figure for print: PNG or SVG" },
   { keys: "h", does: "show these keys" },
-  { keys: "Escape", does: "put the tool away; remove the measured line, the box or the pin" },
+  { keys: "Escape", does: "put the tool away; show all again; remove the measured line, the box or the pin" },
 ];
 
 export const overview_bindings: readonly Binding[] = [
