@@ -4,7 +4,7 @@ import { test } from "node:test";
 import type { AxisJson, GridInfo, Report } from "@page/base/grid";
 import { FRAMES } from "@page/base/axis";
 import { upright_axis } from "@page/base/upright";
-import { names_a_place, what_there_is } from "@page/state/first_view";
+import { names_a_place, show_what_there_is, what_there_is } from "@page/state/first_view";
 import { type FetchTile, nearest_of } from "@page/state/nearest_cell";
 import { type Box, Viewer } from "@page/state/viewer";
 import { tile_size } from "@page/tiles/place";
@@ -21,6 +21,54 @@ test("what there is has the box of all but the background and what is clear from
   const all: Box = [0, 0, 0, 100, 80, 60];
   assert.deepEqual(what_there_is(viewer, [amount(all), amount([5, 6, 7, 10, 11, 12]), amount(all), amount([8, 2, 9, 9, 3, 20])]), { labels: [1, 3], box: [5, 2, 7, 10, 11, 20] });
   assert.equal(what_there_is(viewer, [amount(all), amount(null), amount(all), amount(null)]), null);
+});
+
+const far: Box = [70, 60, 40, 80, 70, 50];
+const in_wide_air = (box: Box) => {
+  const viewer = new Viewer({
+    id: "grid", units: "m",
+    grid: { cells: [100, 80, 60], sample: [0.5, 0.5, 0.5], axes },
+    materials: [{ id: 0, name: "air", color: "#00000000" }, { id: 1, name: "steel", color: "#3366cc" }],
+    levels: [{}],
+    file: { hash: "0" },
+  } as unknown as GridInfo);
+  viewer.views = [{ axis: 2, width: 500, height: 400 }];
+  const asked: string[] = [];
+  (globalThis as { fetch: unknown }).fetch = async (path: string) => {
+    asked.push(/stats|tile/.exec(path)![0]);
+    if (path.includes("stats")) return Response.json({ materials: [{ box: null }, { box }] });
+    return new Response(Uint8Array.from([1, 0, 0, 0, 1, 0, 1, 0, ...new Array(8000).fill(0)])); // steel everywhere
+  };
+  return { viewer, asked };
+};
+
+test("what is small in its domain is framed, and the crosshair is in it, after two requests", async () => {
+  const { viewer, asked } = in_wide_air(far);
+  const arrives = show_what_there_is(viewer, new AbortController().signal);
+  assert.ok(viewer.arriving.value);
+  await arrives;
+  assert.deepEqual(asked, ["stats", "tile"]);
+  assert.deepEqual(viewer.cell.value, [74, 64, 44]);
+  assert.deepEqual(viewer.centre.value, [75, 65, 45]);
+  const [x] = viewer.visited.value!;
+  assert.ok(x.min < 70 && x.min > 68 && x.max > 80 && x.max < 82 && viewer.zoom.value > 20);
+  assert.ok(!viewer.arriving.value);
+});
+
+test("what fills its domain is seen with all of this, and nothing moves that somebody has moved", async () => {
+  const full = in_wide_air([10, 0, 0, 90, 80, 60]);
+  await show_what_there_is(full.viewer, new AbortController().signal);
+  assert.deepEqual([full.viewer.zoom.value, full.viewer.visited.value], [0, null]);
+  const touched = in_wide_air(far);
+  const arrives = show_what_there_is(touched.viewer, new AbortController().signal);
+  touched.viewer.set_slice(2, 7);
+  await arrives;
+  assert.deepEqual(touched.viewer.cell.value, [50, 40, 7]);
+  const zoomed = in_wide_air(far);
+  const later = show_what_there_is(zoomed.viewer, new AbortController().signal);
+  zoomed.viewer.zoom.value = 50;
+  await later;
+  assert.deepEqual([zoomed.viewer.cell.value, zoomed.viewer.zoom.value], [[50, 40, 30], 50]);
 });
 
 test("an address that says where to look is obeyed", () => {

@@ -66,12 +66,12 @@ test("it is said what is isolated: a few by their names, many by their number", 
 test("a finding is gone to: its box is framed with room, and not its body; the crosshair is where it says", () => {
   const viewer = new Viewer(apart);
   viewer.views = [{ axis: 2, width: 500, height: 400 }];
-  go_to_finding(viewer, { at: [21, 11, 31], box: [10, 5, 15, 12, 9, 16], bodies: ["wall", "pipe"] });
-  assert.deepEqual(viewer.cell.value, [10, 5, 15]);
-  assert.deepEqual(viewer.centre.value, [22, 14, 31]);
-  assert.deepEqual(viewer.isolated.value, { labels: [1, 2], box: [10, 5, 15, 12, 9, 16] });
-  const [x, y] = viewer.visited.value!;
-  assert.ok(x.min < 20 && x.max > 24 && x.max - x.min < 100 && y.min >= 0);
+  go_to_finding(viewer, { at: [71, 51, 51], box: [35, 25, 25, 37, 29, 26], bodies: ["wall", "pipe"] });
+  assert.deepEqual(viewer.cell.value, [35, 25, 25]);
+  assert.deepEqual(viewer.centre.value, [72, 54, 51]);
+  assert.deepEqual(viewer.isolated.value, { labels: [1, 2], box: [35, 25, 25, 37, 29, 26] });
+  const [x] = viewer.visited.value!;
+  assert.ok(x.min < 70 && x.max > 74 && x.max - x.min < 100);
   assert.ok(viewer.zoom.value > 3);
   const fits = with_room(viewer.axes, [0, 0, 0, 100, 80, 60], 0.5);
   assert.deepEqual(fits, [{ min: 0, max: 200 }, { min: 0, max: 160 }, { min: 0, max: 120 }], "room ends where the domain does");

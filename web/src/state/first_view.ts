@@ -30,17 +30,23 @@ function deserves_frame(viewer: Viewer, box: Box): boolean {
 }
 
 export async function show_what_there_is(viewer: Viewer, signal: AbortSignal): Promise<void> {
-  const began = performance.now();
   const state = () => [viewer.cell.peek(), viewer.orbit.peek(), viewer.compare.peek(), viewer.isolated.peek(), viewer.visited.peek()];
   const before = state();
-  const is_untouched = () => !signal.aborted && viewer.shows_all() && state().every((value, n) => value === before[n]);
-  const found = what_there_is(viewer, await load_amounts(viewer, signal));
-  if (!found) return;
-  const middle = middle_cell(found.box);
-  const cell = (await nearest_cell(viewer, found.labels, found.box, middle, signal)) ?? middle;
-  if (!is_untouched() || performance.now() - began > SOON) return;
-  batch(() => {
-    viewer.set_cell(cell);
-    if (deserves_frame(viewer, found.box)) viewer.frame(with_room(viewer.axes, found.box, ROOM));
-  });
+  const may_move = () => viewer.arriving.peek() && !signal.aborted && viewer.shows_all() && state().every((value, n) => value === before[n]);
+  viewer.arriving.value = true;
+  const timer = setTimeout(() => (viewer.arriving.value = false), SOON);
+  try {
+    const found = what_there_is(viewer, await load_amounts(viewer, signal));
+    if (!found || !may_move()) return;
+    const middle = middle_cell(found.box);
+    const cell = (await nearest_cell(viewer, found.labels, found.box, middle, signal)) ?? middle;
+    if (!may_move()) return;
+    batch(() => {
+      viewer.set_cell(cell);
+      if (deserves_frame(viewer, found.box)) viewer.frame(with_room(viewer.axes, found.box, ROOM));
+    });
+  } finally {
+    clearTimeout(timer);
+    viewer.arriving.value = false;
+  }
 }

@@ -84,6 +84,9 @@ export class Viewer {
   // machine for itself.
   readonly slices_shown = signal(false);
 
+  // Whether it may turn out yet where to look first (first_view.ts).
+  readonly arriving = signal(false);
+
   // The sizes of the slice views that were in sight last.
   views: readonly ViewSize[] = [];
 
