@@ -4,7 +4,7 @@ import test from "node:test";
 import { after } from "node:test";
 import { readFileSync } from "node:fs";
 import { join } from "node:path";
-import { close, folder, open_page, screenshot, serve, server_and_browser, state } from "./support.mjs";
+import { close, folder, open_page, screenshot, serve, server_and_browser, settled, state } from "./support.mjs";
 
 const { server, browser } = await server_and_browser();
 const checked = await serve(join(folder, "checked"));
@@ -42,6 +42,7 @@ test("the verdict counts what was found; each kind has its findings, each findin
 
 test("what is gone to is isolated, which is said and kept in the link; all is shown again as it was, by a button or Escape", async () => {
   const page = await open_page(browser, `${checked.url}#g=checked&panel=report&material=3:112233:0.5:0`);
+  await settled(page);
   const looks = await state(page, "looks");
   const finding = document.findings.find((f) => f.kind === "thin");
   await page.locator("summary", { hasText: "Thin walls" }).click();

@@ -8,7 +8,7 @@ import { ServerError, drop_complaints, grid_info, list_grids, version_gone } fro
 import { connection, returned } from "./server/connection";
 import { is_alone } from "./server/transport";
 import { keep_ground } from "./state/ground";
-import { names_a_place, show_what_there_is } from "./state/first_view";
+import { names_a_place, show_what_there_is } from "./visits/first_view";
 import { grid_in_address, keep_address, query_in_address, read_address } from "./state/permalink";
 import { Viewer } from "./state/viewer";
 

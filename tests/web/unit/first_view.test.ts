@@ -4,8 +4,8 @@ import { test } from "node:test";
 import type { AxisJson, GridInfo, Report } from "@page/base/grid";
 import { FRAMES } from "@page/base/axis";
 import { upright_axis } from "@page/base/upright";
-import { names_a_place, show_what_there_is, what_there_is } from "@page/state/first_view";
-import { type FetchTile, nearest_of } from "@page/state/nearest_cell";
+import { names_a_place, show_what_there_is, what_there_is } from "@page/visits/first_view";
+import { type FetchTile, nearest_of } from "@page/visits/nearest_cell";
 import { type Box, Viewer } from "@page/state/viewer";
 import { tile_size } from "@page/tiles/place";
 

@@ -5,7 +5,7 @@ import type { GridInfo } from "@page/base/grid";
 import { type LabelLook, shown_color } from "@page/base/materials";
 import { small_labels, with_room } from "@page/state/boxes";
 import { change_bodies } from "@page/state/bodies";
-import { go_to_finding } from "@page/state/go_there";
+import { go_to_finding } from "@page/visits/go_there";
 import { isolated_text, labels_named, looks_around } from "@page/state/isolation";
 import { Viewer } from "@page/state/viewer";
 import { escape } from "@page/views/actions";

@@ -2,9 +2,9 @@
 import { grouped, product } from "../base/format";
 import type { Amount, CellAnswer } from "../base/grid";
 import { use_answer } from "../server/answer";
-import { use_stats } from "../state/amounts";
+import { use_stats } from "../visits/amounts";
 import { change_bodies, show_all_bodies, show_only, with_change } from "../state/bodies";
-import { go_to_labels } from "../state/go_there";
+import { go_to_labels } from "../visits/go_there";
 import type { Viewer } from "../state/viewer";
 import { type Item, LookCard } from "./look_card";
 import { LookList } from "./look_list";

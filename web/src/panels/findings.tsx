@@ -5,7 +5,7 @@ import { grouped, plural } from "../base/format";
 import { quoted } from "../base/shell";
 import { use_picture } from "../server/picture";
 import { ALL, type Focus } from "../state/findings";
-import { go_to_finding } from "../state/go_there";
+import { go_to_finding } from "../visits/go_there";
 import type { Viewer } from "../state/viewer";
 import { CodeLine } from "../widgets/copy";
 import { Select } from "../widgets/select";

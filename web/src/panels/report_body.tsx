@@ -2,7 +2,7 @@
 import type { ComponentChildren } from "preact";
 import { grouped, plural, significant } from "../base/format";
 import { type AxisIndex, type BodyReport, type Hole, for_axes } from "../base/grid";
-import { go_to_finding } from "../state/go_there";
+import { go_to_finding } from "../visits/go_there";
 import { labels_named } from "../state/isolation";
 import { hole_text } from "../state/places";
 import type { Box, Viewer } from "../state/viewer";

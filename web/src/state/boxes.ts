@@ -1,8 +1,9 @@
 // The boxes of what fills a grid: around several, how large, and which are small. Pure.
 import type { Axis } from "../base/axis";
 import { AXES, type Amount, for_axes } from "../base/grid";
-import type { Box } from "./viewer";
 import type { Range } from "./zoom";
+
+export type Box = [number, number, number, number, number, number]; // cells of level 0, half open: x0, y0, z0, x1, y1, z1
 
 type Axes = readonly [Axis, Axis, Axis];
 

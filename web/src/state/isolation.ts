@@ -2,7 +2,7 @@
 // them as faint as glass. What people have hidden, faded and coloured stays as it is behind that. Pure.
 import type { GridInfo, Label } from "../base/grid";
 import type { LabelLook } from "../base/materials";
-import type { Box, Marker } from "./viewer";
+import type { Box } from "./boxes";
 
 export interface Isolation {
   readonly labels: readonly number[]; // ascending; none: all is faint, and the box alone says where
@@ -16,7 +16,7 @@ export function looks_around(looks: readonly LabelLook[], isolation: Isolation |
 }
 
 // Of what is marked, what was gone to: the boxes and names of the rest would hide it.
-export function marks_in(markers: readonly Marker[], isolation: Isolation | null): readonly Marker[] {
+export function marks_in<T extends { box?: Box }>(markers: readonly T[], isolation: Isolation | null): readonly T[] {
   const found = isolation?.box;
   return found ? markers.filter(({ box }) => box?.every((end, n) => end === found[n])) : markers;
 }

@@ -7,14 +7,14 @@ import { type Amount, type AxisIndex, GridAddress, type GridInfo, type Index3, t
 import { type LabelLook, type MaterialLook, initial_looks, looks_of_labels } from "../base/materials";
 import { upright_axis } from "../base/upright";
 import { TileCounters } from "../tiles/counters";
-import { ranges_of, small_labels } from "./boxes";
+import { type Box, ranges_of, small_labels } from "./boxes";
 import { type Isolation, looks_around, marks_in } from "./isolation";
 import { type Range, type ViewSize, fitting_zoom } from "./zoom";
 
 export type ViewName = "x" | "y" | "z" | "3d";
 export type Layout = "four" | ViewName;
 export type Panel = "materials" | "bodies" | "report" | "box" | "leaves" | "share" | "status";
-export type Box = [number, number, number, number, number, number]; // cells of level 0, half open: x0, y0, z0, x1, y1, z1
+export type { Box };
 
 // Where the overview's camera is. Angles are in degrees. The distance to the target is counted in halves of the
 // domain's longest side, and the target is a point in coordinates.

@@ -4,10 +4,10 @@ import { type Index3, for_axes } from "../base/grid";
 import type { Finding } from "../base/findings";
 import { say, words_of } from "../base/messages";
 import { load_amounts } from "./amounts";
-import { box_around, with_room } from "./boxes";
-import { labels_named } from "./isolation";
+import { box_around, with_room } from "../state/boxes";
+import { labels_named } from "../state/isolation";
 import { nearest_cell } from "./nearest_cell";
-import type { Box, Viewer } from "./viewer";
+import type { Box, Viewer } from "../state/viewer";
 
 const ROOM = 0.15; // around a body, as a share of its longest side
 const ROOM_OF_FINDING = 0.3; // around the place of a finding, which says little without what is near it

@@ -3,7 +3,7 @@
 import type { Amount, Stats } from "../base/grid";
 import { type Answer, use_answer } from "../server/answer";
 import { get_json } from "../server/api";
-import type { Viewer } from "./viewer";
+import type { Viewer } from "../state/viewer";
 
 async function load_stats(viewer: Viewer, signal?: AbortSignal): Promise<Stats> {
   return (viewer.stats.value ??= await get_json<Stats>(viewer.address.all_stats(), signal));

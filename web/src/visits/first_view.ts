@@ -1,13 +1,13 @@
 // What is seen first where the address names no place: what there is, and not the middle of the air around it. The slices are asked for before that
 // is known. Their views move when the answer has come soon, and never once somebody has moved them.
-import { batch } from "@preact/signals";
+import { batch, effect } from "@preact/signals";
 import type { Amount } from "../base/grid";
 import { load_amounts } from "./amounts";
-import { box_around, ranges_of, with_room } from "./boxes";
+import { box_around, ranges_of, with_room } from "../state/boxes";
 import { middle_cell } from "./go_there";
 import { nearest_cell } from "./nearest_cell";
-import type { Box, Viewer } from "./viewer";
-import type { Range } from "./zoom";
+import type { Box, Viewer } from "../state/viewer";
+import type { Range } from "../state/zoom";
 
 const SOON = 1500; // milliseconds
 const ROOM = 0.06; // around what there is, as a share of its longest side
@@ -34,7 +34,9 @@ export async function show_what_there_is(viewer: Viewer, signal: AbortSignal): P
   const before = state();
   const may_move = () => viewer.arriving.peek() && !signal.aborted && viewer.shows_all() && state().every((value, n) => value === before[n]);
   viewer.arriving.value = true;
-  const timer = setTimeout(() => (viewer.arriving.value = false), SOON);
+  let stop_waiting = () => {};
+  // Before the first slices are shown nobody sees that they move.
+  const timer = setTimeout(() => (stop_waiting = effect(() => void (viewer.slices_shown.value && (viewer.arriving.value = false)))), SOON);
   try {
     const found = what_there_is(viewer, await load_amounts(viewer, signal));
     if (!found || !may_move()) return;
@@ -47,6 +49,7 @@ export async function show_what_there_is(viewer: Viewer, signal: AbortSignal): P
     });
   } finally {
     clearTimeout(timer);
+    stop_waiting();
     viewer.arriving.value = false;
   }
 }

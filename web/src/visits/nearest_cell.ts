@@ -8,7 +8,7 @@ import { get } from "../server/api";
 import { type Place, TILE, tile_size } from "../tiles/place";
 import { SetTable } from "../tiles/sets";
 import { type Tile, decode_tile } from "../tiles/tile";
-import type { Box, Viewer } from "./viewer";
+import type { Box, Viewer } from "../state/viewer";
 
 // Cells of a level, half open.
 type Window = Box;
