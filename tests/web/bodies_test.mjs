@@ -134,6 +134,7 @@ test("bodies named by their paths are a tree, of which a branch is hidden, shown
   }
   assert.ok([1, 2].includes(there), `the crosshair is in label ${there}`);
   assert.deepEqual(await looks(), ["hidden", "255,0,16", "255,0,16", steel, "hidden"], "what was chosen is as it was");
+  await page.getByRole("button", { name: "Show all again" }).click();
   await screenshot(page, "bodies-tree");
   await page.getByRole("button", { name: "car", exact: false, expanded: true }).first().click();
   assert.equal(await page.getByText("wheel#2").count(), 0);
