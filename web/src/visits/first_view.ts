@@ -2,12 +2,12 @@
 // is known. Their views move when the answer has come soon, and never once somebody has moved them.
 import { batch, effect } from "@preact/signals";
 import type { Amount } from "../base/grid";
-import { load_amounts } from "./amounts";
 import { box_around, ranges_of, with_room } from "../state/boxes";
-import { middle_cell } from "./go_there";
-import { nearest_cell } from "./nearest_cell";
 import type { Box, Viewer } from "../state/viewer";
 import type { Range } from "../state/zoom";
+import { load_amounts } from "./amounts";
+import { middle_cell } from "./go_there";
+import { nearest_cell } from "./nearest_cell";
 
 const SOON = 1500; // milliseconds
 const ROOM = 0.06; // around what there is, as a share of its longest side
@@ -29,6 +29,17 @@ function deserves_frame(viewer: Viewer, box: Box): boolean {
   return longest(ranges_of(viewer.axes, box)) < MUCH_SMALLER * longest(viewer.axes);
 }
 
+// Until the slice views know their sizes, without which nothing can be framed in them.
+function sized(viewer: Viewer): Promise<void> {
+  return new Promise((done) => {
+    const stop = effect(() => {
+      if (viewer.zoom.value === 0 && viewer.views.length === 0 && viewer.layout.value !== "3d" && viewer.arriving.value) return;
+      queueMicrotask(() => stop());
+      done();
+    });
+  });
+}
+
 export async function show_what_there_is(viewer: Viewer, signal: AbortSignal): Promise<void> {
   const state = () => [viewer.cell.peek(), viewer.orbit.peek(), viewer.compare.peek(), viewer.isolated.peek(), viewer.visited.peek()];
   const before = state();
@@ -42,6 +53,7 @@ export async function show_what_there_is(viewer: Viewer, signal: AbortSignal): P
     if (!found || !may_move()) return;
     const middle = middle_cell(found.box);
     const cell = (await nearest_cell(viewer, found.labels, found.box, middle, signal)) ?? middle;
+    await sized(viewer);
     if (!may_move()) return;
     batch(() => {
       viewer.set_cell(cell);

@@ -1,13 +1,13 @@
 // Go there: what is looked at is isolated, all views frame it with some room, and the slices go through a cell of it.
 import { batch } from "@preact/signals";
-import { type Index3, for_axes } from "../base/grid";
 import type { Finding } from "../base/findings";
+import { type Index3, for_axes } from "../base/grid";
 import { say, words_of } from "../base/messages";
-import { load_amounts } from "./amounts";
 import { box_around, with_room } from "../state/boxes";
 import { labels_named } from "../state/isolation";
-import { nearest_cell } from "./nearest_cell";
 import type { Box, Viewer } from "../state/viewer";
+import { load_amounts } from "./amounts";
+import { nearest_cell } from "./nearest_cell";
 
 const ROOM = 0.15; // around a body, as a share of its longest side
 const ROOM_OF_FINDING = 0.3; // around the place of a finding, which says little without what is near it

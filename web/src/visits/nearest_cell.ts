@@ -1,14 +1,14 @@
 // The cell nearest to a place that has one of some labels, by shares of the sides of their box: of a wide, flat hall the stands at the sides are
-// nearer to its middle than the floor below, and a slice through them shows more. It is looked for in the slices through the place: what hangs together in one piece has
-// cells in each slice that cuts its box. In a box too large for the cells of a few tiles it is looked for on a coarser level, and from there
-// downwards in the cells that the one found holds.
+// nearer to its middle than the floor below, and a slice through them shows more. It is looked for in the slices through the place: what hangs
+// together in one piece has cells in each slice that cuts its box. In a box too large for the cells of a few tiles it is looked for on a coarser
+// level, and from there downwards in the cells that the one found holds.
 import { FRAMES } from "../base/axis";
 import { AXES, type AxisIndex, type Index3, for_axes } from "../base/grid";
 import { get } from "../server/api";
+import type { Box, Viewer } from "../state/viewer";
 import { type Place, TILE, tile_size } from "../tiles/place";
 import { SetTable } from "../tiles/sets";
 import { type Tile, decode_tile } from "../tiles/tile";
-import type { Box, Viewer } from "../state/viewer";
 
 // Cells of a level, half open.
 type Window = Box;
