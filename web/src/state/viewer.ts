@@ -280,14 +280,6 @@ export class Viewer {
     });
   }
 
-  // Puts the crosshair on a point, around which a length fills the views.
-  visit(point: readonly [number, number, number], extent: number): void {
-    batch(() => {
-      this.go_to(point);
-      this.frame(for_axes((d) => ({ min: point[d] - extent / 2, max: point[d] + extent / 2 })));
-    });
-  }
-
   // Looks at a box of cells so that all views show the whole of it.
   go_to_box(box: Box): void {
     batch(() => {
