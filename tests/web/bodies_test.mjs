@@ -123,6 +123,18 @@ test("bodies named by their paths are a tree, of which a branch is hidden, shown
   assert.deepEqual(await looks(), ["hidden", steel, steel, steel, "hidden"]);
   await page.getByLabel("Colour of /car/front", { exact: true }).fill("#ff0010");
   assert.deepEqual(await looks(), ["hidden", "255,0,16", "255,0,16", steel, "hidden"]);
+  await page.getByRole("button", { name: "Go there: /car/front", exact: true }).click();
+  await page.waitForFunction(() => teracell.viewer.isolated.value?.labels.join() === "1,2");
+  // The two wheels lie apart, so the middle of their box is in neither.
+  const body_at = async ([i, j, k]) => (await (await fetch(`${apart.url}api/v1/grids/assembly/cell?i=${i}&j=${j}&k=${k}`)).json()).bodies[0].label;
+  let there = 0;
+  for (let n = 0; n < 100 && ![1, 2].includes(there); ++n) {
+    await page.waitForTimeout(50);
+    there = await body_at(await state(page, "cell"));
+  }
+  assert.ok([1, 2].includes(there), `the crosshair is in label ${there}`);
+  assert.deepEqual(await looks(), ["hidden", "255,0,16", "255,0,16", steel, "hidden"], "what was chosen is as it was");
+  await page.getByRole("button", { name: "Show all again" }).click();
   await screenshot(page, "bodies-tree");
   await page.getByRole("button", { name: "car", exact: false, expanded: true }).first().click();
   assert.equal(await page.getByText("wheel#2").count(), 0);

@@ -8,7 +8,8 @@ import { ServerError, drop_complaints, grid_info, list_grids, version_gone } fro
 import { connection, returned } from "./server/connection";
 import { is_alone } from "./server/transport";
 import { keep_ground } from "./state/ground";
-import { grid_in_address, keep_address, read_address } from "./state/permalink";
+import { names_a_place, show_what_there_is } from "./visits/first_view";
+import { grid_in_address, keep_address, query_in_address, read_address } from "./state/permalink";
 import { keep_to_one_view } from "./state/phone";
 import { Viewer } from "./state/viewer";
 
@@ -58,6 +59,7 @@ async function open(id: string): Promise<void> {
     read_address(next);
     viewer.value = next;
     document.title = `${info.id} – teracell`;
+    if (!names_a_place(query_in_address())) void show_what_there_is(next, signal).catch(() => {}); // lists say what is wrong
     const stops = [keep_to_one_view(next), keep_address(next), keep_ground(next)];
     stop_keeping = () => stops.forEach((stop) => stop());
   } catch (error) {

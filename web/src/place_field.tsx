@@ -2,12 +2,12 @@
 import { useSignal } from "@preact/signals";
 import { useLayoutEffect, useMemo, useRef } from "preact/hooks";
 import { coordinate, grouped } from "./base/format";
-import { AXES, AXIS_NAMES, type Stats } from "./base/grid";
-import { say, words_of } from "./base/messages";
-import { get_json } from "./server/api";
-import { type NamedPlace, box_of_place, named_places, places_named } from "./state/named_places";
+import { AXES, AXIS_NAMES } from "./base/grid";
+import { say } from "./base/messages";
+import { type NamedPlace, named_places, places_named } from "./state/named_places";
 import { type Spot, spots_of } from "./state/place_text";
 import type { Viewer } from "./state/viewer";
+import { go_to_labels } from "./visits/go_there";
 import { Icon, IconButton } from "./widgets/icons";
 
 const MOST = 8; // names that are suggested
@@ -32,17 +32,12 @@ function goal_of_spot(viewer: Viewer, { by, point, cell, outside }: Spot): Goal 
   return { key: by, text, beside, outside, go };
 }
 
-// Brings all of it into view.
-async function go_to_name(viewer: Viewer, place: NamedPlace): Promise<void> {
-  const stats = await get_json<Stats>(place.of === "bodies" ? viewer.address.body_stats() : viewer.address.stats());
-  const box = box_of_place(place, stats);
-  if (!box) return say(`“${place.name}” owns no cell of this grid.`);
-  const ends = AXES.map((d) => [viewer.axes[d].plane(box[d]), viewer.axes[d].plane(box[d + 3]!)] as const);
-  viewer.visit(ends.map(([low, high]) => (low + high) / 2) as [number, number, number], Math.max(...ends.map(([low, high]) => high - low)));
-}
+// The labels that carry a name.
+const labels_of = (viewer: Viewer, { of, ids }: NamedPlace): readonly number[] =>
+  of === "bodies" ? ids : viewer.labels.flatMap(({ material }, label) => (ids.includes(material) ? [label] : []));
 
 function goal_of_name(viewer: Viewer, place: NamedPlace): Goal {
-  const go = () => void go_to_name(viewer, place).catch((error: unknown) => say(`The way to “${place.name}” is not known: ${words_of(error)}.`));
+  const go = () => void go_to_labels(viewer, labels_of(viewer, place));
   return { key: `${place.kind} ${place.name}`, text: place.name, beside: place.kind, outside: null, go };
 }
 

@@ -4,7 +4,7 @@ import test from "node:test";
 import type { GridInfo } from "@page/base/grid";
 import { type Branch, type Leaf, is_branch, part_tree } from "@page/base/part_tree";
 import { matching, ordered } from "@page/panels/look_list";
-import { change_bodies, isolate, show_all_bodies, with_change } from "@page/state/bodies";
+import { change_bodies, show_only, show_all_bodies, with_change } from "@page/state/bodies";
 import { address_of, read_address } from "@page/state/permalink";
 import { Viewer } from "@page/state/viewer";
 
@@ -55,7 +55,7 @@ test("bodies are hidden, shown alone and shown again", () => {
   const viewer = new Viewer(info);
   change_bodies(viewer, [2, 3], { visible: false });
   assert.deepEqual(visible(viewer), [0, 1, 4]);
-  isolate(viewer, [3]);
+  show_only(viewer, [3]);
   assert.deepEqual(visible(viewer), [3]);
   show_all_bodies(viewer);
   assert.deepEqual(visible(viewer), [0, 1, 2, 3, 4]);
@@ -66,7 +66,7 @@ test("a body of a hidden material comes back with its material", () => {
   const viewer = new Viewer(info);
   viewer.looks.value = viewer.looks.value.map((look, id) => ({ ...look, visible: id !== 1 }));
   assert.deepEqual(visible(viewer), [0, 2, 4]);
-  isolate(viewer, [3]);
+  show_only(viewer, [3]);
   assert.deepEqual(visible(viewer), [3]);
 });
 

@@ -1,8 +1,9 @@
 // What is seen, as numbers, is decoded and coloured: layers lie over each other from far to near, and edges are means.
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { type Palette, compose } from "@page/overview/compose";
+import { type Palette, type Substance, VEILS, compose, cover_of } from "@page/overview/compose";
 import { empty_frame, point_at, put_part } from "@page/overview/frame";
+import type { LabelLook } from "@page/base/materials";
 import { layers_of, palette_of } from "@page/overview/layers";
 import { type Sights, decode_sights } from "@page/overview/sights";
 import { fitted, project, projection_of } from "@page/overview/space/camera";
@@ -64,10 +65,10 @@ test("bytes that are cut short, or something else, are refused", () => {
   assert.throws(() => decode_sights(new ArrayBuffer(0), 1), /TCS1/);
 });
 
-const palette = (opacity: readonly number[], glass = false): Palette => ({
+const palette = (opacity: readonly number[], substance: Substance = "clear"): Palette => ({
   squares: Float32Array.from(opacity.flatMap((_, label) => [label === 0 ? 1 : 0, label === 1 ? 1 : 0, label === 2 ? 1 : 0])),
   opacity: Float32Array.from(opacity),
-  glass,
+  veil: new Uint8Array(opacity.length).fill(VEILS.indexOf(substance)),
 });
 const sights_of = (pixels: readonly (readonly number[])[], edges = {}): Sights => decode_sights(encoded(pixels.length, pixels, edges), 1);
 const pixel = (pixels: Uint8Array, i: number) => [...pixels.subarray(4 * i, 4 * i + 4)];
@@ -95,25 +96,50 @@ test("what is clear shows what is behind it, and hides nothing when it is farthe
   assert.ok(far[0]! < far[1]!);
 });
 
-test("glass is clearest where it faces the eye", () => {
-  const { pixels } = compose([sights_of([[1, 1, 160, 0, 255], [1, 1, 160, 0, 0]])], palette([1], true));
-  assert.deepEqual([pixels[3], pixels[7]], [31, 217]);
+test("glass is clearest where it faces the eye, and what is faint is clearer than that", () => {
+  const facing_and_glancing = (substance: Substance) => {
+    const { pixels } = compose([sights_of([[1, 1, 160, 0, 255], [1, 1, 160, 0, 0]])], palette([1], substance));
+    return [pixels[3]!, pixels[7]!] as const;
+  };
+  const [glass, faint] = [facing_and_glancing("glass"), facing_and_glancing("faint")];
+  assert.ok(glass[0] < glass[1] && faint[0] < faint[1], "edges are not seen best");
+  assert.ok(faint[0] < glass[0] / 4 && faint[1] < glass[1] / 2);
+});
+
+test("glass keeps its hue where it faces the eye, on light and on dark ground, and lets half of what is behind it through", () => {
+  const hue_and_chroma = ([r, g, b]: readonly number[]) => {
+    const [x, y] = [r! - (g! + b!) / 2, (Math.sqrt(3) / 2) * (g! - b!)];
+    return { hue: (Math.atan2(y, x) * 180) / Math.PI, chroma: Math.hypot(x, y) };
+  };
+  const cover = cover_of("glass", 1);
+  assert.ok(cover <= 0.5);
+  for (const ground of [[255, 255, 255], [243, 245, 248], [26, 32, 41], [17, 21, 28]]) // the middle and the edge of both themes
+    for (const own of [[213, 94, 0], [86, 180, 233], [0, 158, 115], [240, 228, 66], [204, 121, 167], [91, 100, 112]]) {
+      const seen = hue_and_chroma(own.map((c, i) => cover * c + (1 - cover) * ground[i]!));
+      const wanted = hue_and_chroma(own);
+      const turned = Math.abs(((seen.hue - wanted.hue + 540) % 360) - 180);
+      assert.ok(seen.chroma > 0.35 * wanted.chroma && turned < 25, `${own} on ${ground}: ${seen.chroma / wanted.chroma}, turned by ${turned}`);
+    }
 });
 
 test("opaque materials share a layer, clear ones have one each as long as they are few, and hidden ones have none", () => {
-  const look = (material: number, opacity: number, visible = true) => ({ color: [0, 0, 0] as const, material, opacity, visible });
+  const look = (material: number, opacity: number, visible = true): LabelLook => ({ color: [0, 0, 0], material, opacity, visible });
+  const sight = (looks: readonly LabelLook[], mode: "whole" | "glass" | "cut", small: readonly number[] = []) => ({ looks, mode, small: new Set(small) });
   const looks = [look(0, 0), look(1, 1), look(2, 0.5), look(3, 1, false), look(4, 1)];
-  assert.deepEqual(layers_of(looks, "whole"), [[1, 4], [2]]);
-  assert.deepEqual(layers_of(looks, "glass"), [[1], [2], [4]]);
+  assert.deepEqual(layers_of(sight(looks, "whole")), [[1, 4], [2]]);
+  assert.deepEqual(layers_of(sight(looks, "glass")), [[1], [2], [4]]);
+  assert.deepEqual(layers_of(sight(looks, "glass", [0, 2, 3, 4])), [[4], [1], [2]], "what is small is solid in glass, unless people made it clear");
+  const around = looks.map((l, label) => ({ ...l, faint: label !== 4 }));
+  for (const mode of ["whole", "glass"] as const) assert.deepEqual(layers_of(sight(around, mode)), [[4], [1, 2]], "all that is faint is one layer");
   const bodies = [look(0, 0), look(1, 1), look(1, 1), look(2, 0.5), look(2, 0.5)];
-  assert.deepEqual(layers_of(bodies, "whole"), [[1, 2], [3, 4]], "bodies of one material are one layer");
-  assert.deepEqual(layers_of(bodies.map((b, label) => ({ ...b, visible: label !== 1 && label !== 4 })), "whole"), [[2], [3]]);
-  assert.deepEqual(layers_of(bodies.map((b, label) => ({ ...b, opacity: label === 1 ? 0.5 : b.opacity })), "whole"), [[2], [1], [3, 4]], "a clear body");
+  assert.deepEqual(layers_of(sight(bodies, "whole")), [[1, 2], [3, 4]], "bodies of one material are one layer");
+  assert.deepEqual(layers_of(sight(bodies.map((b, label) => ({ ...b, visible: label !== 1 && label !== 4 })), "whole")), [[2], [3]]);
+  assert.deepEqual(layers_of(sight(bodies.map((b, label) => ({ ...b, opacity: label === 1 ? 0.5 : b.opacity })), "whole")), [[2], [1], [3, 4]], "a clear body");
   const many = Array.from({ length: 20 }, (_, i) => look(i, 0.5));
-  const layers = layers_of(many, "whole");
+  const layers = layers_of(sight(many, "whole"));
   assert.equal(layers.length, 7);
   assert.deepEqual(layers.flat(), many.map((_, i) => i));
-  assert.deepEqual([...palette_of(looks.slice(0, 3), "cut").opacity], [0, 1, 0.5]);
+  assert.deepEqual([...palette_of(sight(looks.slice(0, 3), "cut")).opacity], [0, 1, 0.5]);
 });
 
 test("a frame is put together from parts, and a pixel's point is seen at that pixel", () => {

@@ -72,6 +72,8 @@ function changed(): Viewer {
   v.pinned.value = [9, 8, 6];
   v.measure.value = { axis: 1, from: [0.1, 0.2, 0.3], to: [1, 2, 3] };
   v.markers.value = places_found(info);
+  v.isolated.value = { labels: [1], box: [1, 2, 3, 4, 5, 6] };
+  v.sky.value = 1;
   v.looks.value = [
     { color: [1, 2, 255], visible: true, opacity: 0.25 },
     { color: [0x88, 0x99, 0xaa], visible: false, opacity: 1 },
@@ -84,7 +86,7 @@ test("a changed state is read back completely, to the last bit of its numbers", 
   const after = read(address_of(before));
   for (const name of [
     "cell", "centre", "zoom", "layout", "panel", "show_axes", "show_scale", "show_lines", "show_outline", "show_leaves", "refinement", "box", "pinned", "measure", "markers",
-    "looks",
+    "looks", "isolated", "sky",
   ] as const)
     assert.deepEqual(after[name].value, before[name].value, name);
   assert.equal(address_of(after), address_of(before));
@@ -119,6 +121,10 @@ test("nonsense is ignored, piece by piece", () => {
     "#pin=1,2",
     "#pin=1,2,3.5",
     "#measure=7,0,0,0,1,1,1",
+    "#only=",
+    "#only=9",
+    "#only=&found=5,0,0,5,20,7",
+    "#up=x",
     "#material=9:ffffff:1:1;1:red:1:1;1:ffffff:2:1",
     "#at=,,&zoom=",
     "#%",

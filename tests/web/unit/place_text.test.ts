@@ -2,8 +2,8 @@
 import assert from "node:assert/strict";
 import test from "node:test";
 import { Axis } from "@page/base/axis";
-import type { GridInfo, Index3, Stats } from "@page/base/grid";
-import { box_of_place, named_places, places_named } from "@page/state/named_places";
+import type { GridInfo, Index3 } from "@page/base/grid";
+import { named_places, places_named } from "@page/state/named_places";
 import { cell_text, coordinates_text, spots_of } from "@page/state/place_text";
 import { random_of } from "./random";
 
@@ -80,7 +80,8 @@ test("names: the whole one first, then what begins with the text, also within a 
   assert.deepEqual(found("front"), ["/car/front: part of 2 bodies", "/car/front/wheel: body", "/car/front/wheel#2: body"]);
   assert.deepEqual(found("/car/front/wheel")[0], "/car/front/wheel: body");
   assert.deepEqual([found("steel"), found("air"), found(" ")], [["steel: material"], [], []]);
-  const amount = (...box: number[]) => ({ box });
+  assert.deepEqual(places_named(list, "/car/front", 1)[0]!.ids, [1, 2]);
+});
   const stats = { bodies: [amount(0, 0, 0, 9, 9, 9), amount(1, 2, 3, 2, 3, 4), amount(0, 5, 3, 1, 6, 4), { box: null }] } as unknown as Stats;
   const [front] = places_named(list, "/car/front", 1);
   assert.deepEqual(box_of_place(front!, stats), [0, 2, 3, 2, 6, 4]);

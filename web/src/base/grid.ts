@@ -54,11 +54,17 @@ export interface BodyReport {
   covered_cells?: number; // inside the body, but owned by stronger bodies
 }
 
+// The scene as it was meshed, as far as the page asks for it.
+export interface SceneReport {
+  bodies: { name: string; material: string; matrix: number[] }[]; // of a matrix the upper three rows, one after another
+}
+
 export interface Report {
   bodies: BodyReport[];
   crossings: number;
   warnings: string[];
-  inputs: { path: string; format: string; bytes: number; hash: string }[];
+  inputs: { path: string; format: string; bytes: number; hash: string }[]; // one for each body
+  scene?: SceneReport | null; // null where there was no room for it
   ray_axis?: { axis: string; why: string; crossings_expected?: number[] };
 }
 
@@ -233,12 +239,12 @@ export class GridAddress {
   leaf_count(refinement: Refinement, region: readonly number[]): string {
     return `${this.base}/leaves.json?${query_of(refinement)}&region=${region.join(",")}&v=${this.hash}`;
   }
-  stats(region?: readonly number[]): string {
-    return `${this.base}/stats?${region ? `region=${region.join(",")}&` : ""}v=${this.hash}`;
+  stats(region: readonly number[]): string {
+    return `${this.base}/stats?region=${region.join(",")}&v=${this.hash}`;
   }
-  // Of the whole grid, also by body. REQUIRES: the file keeps bodies apart.
-  body_stats(): string {
-    return `${this.base}/stats?bodies=1&v=${this.hash}`;
+  // Of the whole grid, where the file keeps bodies apart also by body.
+  all_stats(): string {
+    return `${this.base}/stats?${this.bodies.slice(1)}${this.bodies && "&"}v=${this.hash}`;
   }
   cell([i, j, k]: Index3): string {
     return `${this.base}/cell?i=${i}&j=${j}&k=${k}&v=${this.hash}`;

@@ -11,7 +11,11 @@ export interface MaterialLook {
 
 export interface LabelLook extends MaterialLook {
   readonly material: number;
+  readonly faint?: boolean; // where something is isolated: whether it only stands around that
 }
+
+const FAINT = 0.14; // of the opacity
+const strength = ({ opacity, faint }: LabelLook): number => (faint ? FAINT * opacity : opacity);
 
 // The parts of #rrggbb and, if they are there, of #rrggbbaa.
 const parts_of_color = (text: string) => [1, 3, 5, 7].map((at) => Number.parseInt(text.slice(at, at + 2) || "ff", 16)) as [number, number, number, number];
@@ -52,7 +56,7 @@ export function color_of_set(set: readonly number[], looks: readonly LabelLook[]
   let [r, g, b, a] = [0, 0, 0, 0];
   for (const bodies of materials.values())
     for (const look of bodies) {
-      const weight = look.opacity / bodies.length;
+      const weight = strength(look) / bodies.length;
       r += look.color[0] * weight;
       g += look.color[1] * weight;
       b += look.color[2] * weight;
@@ -76,10 +80,11 @@ export function color_of_shares(parts: readonly number[], looks: readonly LabelL
   for (const label of parts) {
     const look = looks[label];
     if (!look?.visible) continue;
-    r += look.color[0] * look.opacity;
-    g += look.color[1] * look.opacity;
-    b += look.color[2] * look.opacity;
-    a += look.opacity;
+    const weight = strength(look);
+    r += look.color[0] * weight;
+    g += look.color[1] * weight;
+    b += look.color[2] * weight;
+    a += weight;
   }
   return a === 0 ? [0, 0, 0, 0] : [Math.round(r / a), Math.round(g / a), Math.round(b / a), Math.round((255 * a) / parts.length)];
 }

@@ -35,8 +35,8 @@ interface Entry {
 export function legend_of(viewer: Viewer, labels: readonly number[]): Entry[] {
   const entries = new Map<string, Entry & { order: number }>();
   for (const label of labels) {
-    const look = viewer.label_looks.peek()[label]!;
-    if (!look.visible || look.opacity === 0) continue;
+    const look = viewer.shown_looks.peek()[label]!;
+    if (!look.visible || look.opacity === 0 || look.faint) continue;
     const is_own = viewer.body_looks.peek().get(label)?.color !== undefined;
     const name = is_own ? viewer.name_of(label) : viewer.info.materials[look.material]!.name;
     entries.set(name, { name, color: `rgb(${look.color.join(",")})`, opacity: look.opacity, order: look.material });

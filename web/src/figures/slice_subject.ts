@@ -61,7 +61,7 @@ function note_of({ level }: SliceCells, pixels: number): string {
 }
 
 export async function slice_subject(viewer: Viewer, axis: AxisIndex, options: FigureOptions, ground: Rgb | null, signal: AbortSignal): Promise<Subject> {
-  const looks = viewer.label_looks.peek();
+  const looks = viewer.shown_looks.peek();
   const window = await window_of(viewer, axis, options.crop, looks, signal);
   const { u, v } = FRAMES[axis];
   const length = window.u1 - window.u0;

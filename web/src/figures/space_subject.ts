@@ -5,7 +5,7 @@ import type { Rgb } from "../tiles/sets";
 import { reach } from "../overview/space/camera";
 import { type Colored, compose } from "../overview/compose";
 import { layers_of, palette_of } from "../overview/layers";
-import { type Part, camera_query, cut_of, fetch_layers, parts_of } from "../overview/sight_query";
+import { type Part, camera_query, cut_of, fetch_layers, parts_of, sight_of } from "../overview/sight_query";
 import { space_of } from "../overview/space/space";
 import { Viewpoint } from "../overview/space/viewpoint";
 import type { FigureOptions } from "./options";
@@ -25,10 +25,10 @@ function panel_aspect(): number {
 async function fetch_part(viewer: Viewer, width: number, height: number, part: Part, signal: AbortSignal): Promise<Colored> {
   const space = space_of(viewer.axes);
   const viewpoint = new Viewpoint(viewer, space, panel_aspect());
-  const [looks, mode] = [viewer.label_looks.peek(), viewer.bodies.peek()];
+  const sight = sight_of(viewer);
   const query = `${camera_query(space, viewpoint.orbit, width, height)}${cut_of(viewer)}&window=${part.x0},${part.y0},${part.x1},${part.y1}`;
-  const sights = await fetch_layers(viewer, space, layers_of(looks, mode), query, (address) => get_patiently(address, signal));
-  return compose(sights, palette_of(looks, mode));
+  const sights = await fetch_layers(viewer, space, layers_of(sight), query, (address) => get_patiently(address, signal));
+  return compose(sights, palette_of(sight));
 }
 
 // Where something is seen, as shares of the picture.

@@ -71,7 +71,7 @@ export class PlaneView {
         this.invalidate();
       }),
       effect(() => {
-        for (const s of [viewer.label_looks, viewer.show_axes, viewer.show_scale, viewer.pinned]) s.value;
+        for (const s of [viewer.shown_looks, viewer.show_axes, viewer.show_scale, viewer.pinned]) s.value;
         this.invalidate();
       }),
       effect(() => {
@@ -166,7 +166,7 @@ export class PlaneView {
   private paint(): void {
     const { picture, palette, ink } = this;
     if (!picture || !ink) return;
-    palette.update(this.viewer.label_looks.value, ink.ground, ink.outside);
+    palette.update(this.viewer.shown_looks.value, ink.ground, ink.outside);
     if (this.painted === palette.version) return;
     this.painted = palette.version;
     const { width, height } = picture.aim;

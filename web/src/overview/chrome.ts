@@ -55,7 +55,7 @@ export function make_chrome(host: HTMLElement) {
     sky,
     busy,
     show_sky(up: Sky) {
-      sky.textContent = `${"xyz"[up]}↑`;
+      sky.textContent = `${"xyz"[up]} is up`;
       sky.title = `${"xyz"[up]} is up: press for ${up === 2 ? "y" : "z"}`;
       sky.setAttribute("aria-label", sky.title);
     },

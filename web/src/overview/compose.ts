@@ -2,11 +2,26 @@
 // the layers are laid over each other from far to near. Pure.
 import { ADDED, OWN, type Sights } from "./sights";
 
+export type Substance = "solid" | "clear" | "glass" | "faint";
+export const VEILS: readonly Substance[] = ["solid", "clear", "glass", "faint"];
+
+// How much glass hides of what is behind it: the share where it faces the eye, and where it is met at a glancing angle. Glass has as much colour
+// where it faces the eye that its hue is known on light and on dark ground; what is faint has edges and little else.
+const GLASS = { facing: 0.4, glancing: 0.88 };
+const FAINT = { facing: 0.05, glancing: 0.4 };
+
 // How each label looks.
 export interface Palette {
   readonly squares: Float32Array; // of the colour's three parts, 0 to 1
   readonly opacity: Float32Array; // 0 to 1
-  readonly glass: boolean; // what faces the eye is clearer than what it meets at a glancing angle
+  readonly veil: Uint8Array; // what it is made of, as a place in VEILS
+}
+
+// Of a substance, by the cosine of the angle between the normal and the line of sight.
+export function cover_of(substance: Substance, cosine: number): number {
+  if (substance === "solid" || substance === "clear") return 1;
+  const { facing, glancing } = substance === "glass" ? GLASS : FAINT;
+  return facing + (glancing - facing) * (1 - cosine) ** 2;
 }
 
 // A part of a picture, or the whole of it. Rows from the top.
@@ -19,11 +34,10 @@ export interface Colored {
 }
 
 // Adds a colour to `to`, premultiplied, 0 to 255 each.
-function add_color(to: Float64Array, label: number, own: number, added: number, facing: number, { squares, opacity, glass }: Palette, share: number): void {
+function add_color(to: Float64Array, label: number, own: number, added: number, facing: number, { squares, opacity, veil }: Palette, share: number): void {
   if (label === 0) return;
   const l = label - 1;
-  const glancing = 1 - facing / 255;
-  const alpha = share * opacity[l]! * (glass ? 0.12 + 0.73 * glancing * glancing : 1);
+  const alpha = share * opacity[l]! * cover_of(VEILS[veil[l]!]!, facing / 255);
   const [o, a] = [own / OWN, added / ADDED];
   for (let c = 0; c < 3; ++c) to[c]! += 255 * alpha * Math.sqrt(Math.min(squares[3 * l + c]! * o + a, 1));
   to[3]! += 255 * alpha;

@@ -13,18 +13,21 @@ export interface Scenery {
   readonly box: { low: Vec3; high: Vec3 } | null;
   readonly markers: readonly Vec3[];
   readonly extents: readonly { low: Vec3; high: Vec3 }[]; // of what is marked
+  readonly found: { low: Vec3; high: Vec3 } | null; // what "Go there" has gone to
   readonly measure: { from: Vec3; to: Vec3 } | null;
 }
 
-export function scenery_of(viewer: Pick<Viewer, "box" | "markers" | "measure">, axes: Axes, space: Space, at: Vec3): Scenery {
+export function scenery_of(viewer: Pick<Viewer, "box" | "marks" | "measure" | "isolated">, axes: Axes, space: Space, at: Vec3): Scenery {
   const box = viewer.box.value;
   const corner = (of: readonly number[], first: number) => axes.map((axis, d) => to_space(space, d, axis.plane(of[first + d]!))) as Vec3;
   const measure = viewer.measure.value;
+  const found = viewer.isolated.value?.box;
   return {
     at,
     box: box && { low: corner(box, 0), high: corner(box, 3) },
-    markers: viewer.markers.value.map((marker) => point_to_space(space, marker.at)),
-    extents: viewer.markers.value.flatMap(({ box: found }) => (found ? [{ low: corner(found, 0), high: corner(found, 3) }] : [])),
+    markers: viewer.marks.value.map((marker) => point_to_space(space, marker.at)),
+    extents: viewer.marks.value.flatMap(({ box: lies }) => (lies ? [{ low: corner(lies, 0), high: corner(lies, 3) }] : [])),
+    found: found ? { low: corner(found, 0), high: corner(found, 3) } : null,
     measure: measure && { from: point_to_space(space, measure.from), to: point_to_space(space, measure.to) },
   };
 }
@@ -61,6 +64,11 @@ export function figure(view: Projection, half: Readonly<Vec3>, scenery: Scenery,
       over.push({ a, b, color: faint(theme.box, 0.3), width: 1.5 });
     }
   if (scenery.measure) over.push({ a: scenery.measure.from, b: scenery.measure.to, color: theme.measure, width: 2 });
+  if (scenery.found)
+    for (const { a, b } of box_edges(scenery.found.low, scenery.found.high)) {
+      under.push({ a, b, color: theme.marker, width: 2.5 });
+      over.push({ a, b, color: faint(theme.marker, 0.45), width: 1.5 });
+    }
   for (const { low: a0, high: b0 } of scenery.extents)
     for (const { a, b } of box_edges(a0, b0)) over.push({ a, b, color: faint(theme.marker, 0.6), width: 1 });
   for (const p of scenery.markers) {

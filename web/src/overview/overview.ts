@@ -11,7 +11,8 @@ import { ServerError, get_json } from "../server/api";
 import { returned } from "../server/connection";
 import { on_theme } from "../state/theme";
 import type { Viewer } from "../state/viewer";
-import { type Orbit, FARTHEST, basis, dollied, dollied_to, dot, project, straight } from "./space/camera";
+import type { Range } from "../state/zoom";
+import { type Orbit, basis, dollied, dollied_to, dot, project, straight } from "./space/camera";
 import { type Chrome, make_chrome } from "./chrome";
 import { figure, scenery_of } from "./figure";
 import { point_at } from "./frame";
@@ -156,7 +157,7 @@ class Overview {
     const { viewer } = this;
     this.stops.push(
       effect(() => {
-        void [viewer.label_looks.value, viewer.bodies.value, viewer.plane_normal.value];
+        void [viewer.shown_looks.value, viewer.small.value, viewer.bodies.value, viewer.plane_normal.value];
         this.chrome.show_mode(viewer.bodies.value);
         untracked(() => {
           this.sights.recolor();
@@ -168,12 +169,12 @@ class Overview {
         untracked(() => this.moved());
       }),
       effect(() => {
-        void [viewer.cell.value, viewer.box.value, viewer.markers.value, viewer.measure.value, viewer.orbit.value];
+        void [viewer.cell.value, viewer.box.value, viewer.isolated.value, viewer.markers.value, viewer.measure.value, viewer.orbit.value];
         if (!this.viewpoint.own) untracked(() => this.pace.later());
       }),
       effect(() => {
         const visit = viewer.visited.value;
-        if (visit) untracked(() => this.fly_to(point_to_space(this.space, visit.point), visit.extent * this.space.scale));
+        if (visit && this.visible) untracked(() => this.fly_to(visit));
       }),
       effect(() => {
         void returned.value;
@@ -185,9 +186,12 @@ class Overview {
   private follow_size(): void {
     const observer = new ResizeObserver(([entry]) => {
       const { width, height } = entry!.contentRect;
+      const was_visible = this.visible;
       this.visible = width > 8 && height > 8;
       if (!this.visible) return;
       this.viewpoint.aspect = width / height;
+      const visit = this.viewer.visited.peek();
+      if (visit && !was_visible) this.fly_to(visit, false); // nobody has seen from where
       this.stage.set_size(width, height);
       this.ladder.changed();
       this.pace.soon();
@@ -282,11 +286,13 @@ class Overview {
     this.moved();
   }
 
-  // So near that a length fills the view.
-  private fly_to(target: Vec3, extent: number): void {
-    const { y } = this.stage.projection(this.viewpoint.orbit).reach;
-    const distance = Math.min(Math.max(extent / (2 * y), this.nearest), FARTHEST);
-    this.viewpoint.fly({ ...this.viewpoint.orbit, target, distance });
+  // So near that a box fills the view.
+  private fly_to(box: [Range, Range, Range], slowly = true): void {
+    const [low, high] = [point_to_space(this.space, box.map(({ min }) => min)), point_to_space(this.space, box.map(({ max }) => max))];
+    const to = this.viewpoint.framing(low, high, this.nearest);
+    if (slowly) this.viewpoint.fly(to);
+    else this.viewpoint.move(to);
+    this.viewer.visited.value = null;
     this.moved();
   }
 
@@ -317,7 +323,7 @@ class Overview {
   // The marker under the pointer says what it marks; otherwise the body there has a name.
   name_what_is_at(x: number, y: number): void {
     const view = this.stage.projection(this.viewpoint.orbit);
-    const under = this.viewer.markers.value.find((marker) => {
+    const under = this.viewer.marks.value.find((marker) => {
       const p = project(view, point_to_space(this.space, marker.at));
       return p.far > 0 && Math.hypot(p.x - x, p.y - y) < MARKER;
     });

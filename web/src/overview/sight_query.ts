@@ -1,6 +1,7 @@
 // What the server is asked to look at, as parts of an address.
 import { ranges } from "../base/ranges";
 import type { Viewer } from "../state/viewer";
+import type { Sight } from "./layers";
 import { type Sights, decode_sights } from "./sights";
 import { type Orbit, dot, eye_of, reach } from "./space/camera";
 import { type Space, type Vec3, from_space } from "./space/space";
@@ -11,6 +12,8 @@ export function camera_query(space: Space, orbit: Orbit, width: number, height: 
   const field = (2 * Math.atan(reach(width / height).y) * 180) / Math.PI;
   return `size=${width},${height}&fov=${field}&from=${point(eye_of(orbit))}&at=${point(orbit.target)}&up=${orbit.sky === 1 ? "y" : "z"}`;
 }
+
+export const sight_of = ({ shown_looks, bodies, small }: Viewer): Sight => ({ looks: shown_looks.value, mode: bodies.value, small: small.value });
 
 // What is cut away.
 export function cut_of(viewer: Viewer): string {

@@ -9,7 +9,7 @@ import { type Palette, compose } from "./compose";
 import { type Frame, empty_frame, put_part } from "./frame";
 import { layers_of, palette_of } from "./layers";
 import type { Sights } from "./sights";
-import { type Part, camera_query, fetch_layers, parts_of } from "./sight_query";
+import { type Part, camera_query, fetch_layers, parts_of, sight_of } from "./sight_query";
 import type { Space } from "./space/space";
 
 const QUICK_TIME = 90; // milliseconds that a quick picture may take to come
@@ -90,10 +90,10 @@ export class SightSource {
   }
 
   private layers(): number[][] {
-    return layers_of(this.viewer.label_looks.value, this.viewer.bodies.value);
+    return layers_of(sight_of(this.viewer));
   }
   private palette(): Palette {
-    return palette_of(this.viewer.label_looks.value, this.viewer.bodies.value);
+    return palette_of(sight_of(this.viewer));
   }
   private key_of(aim: Aim): string {
     return `${camera_query(this.space, aim.orbit, aim.width, aim.height)}${aim.cut} ${this.layers().map(ranges).join(" ")} ${SightSource.size(aim.width, aim.height).join()}`;

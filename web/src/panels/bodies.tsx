@@ -1,14 +1,16 @@
 // The bodies, where the file keeps them apart: how they look, and exactly how much of the grid they fill.
 import { grouped, product } from "../base/format";
-import type { BodyStats, CellAnswer, Stats } from "../base/grid";
+import type { Amount, CellAnswer } from "../base/grid";
 import { use_answer } from "../server/answer";
-import { change_bodies, isolate, show_all_bodies, with_change } from "../state/bodies";
+import { use_stats } from "../visits/amounts";
+import { change_bodies, show_all_bodies, show_only, with_change } from "../state/bodies";
+import { go_to_labels } from "../visits/go_there";
 import type { Viewer } from "../state/viewer";
 import { type Item, LookCard } from "./look_card";
 import { LookList } from "./look_list";
 import { distinct_color } from "./palette";
 
-function items_of(viewer: Viewer, stats: readonly BodyStats[] | null): Item[] {
+function items_of(viewer: Viewer, amounts: readonly Amount[] | null): Item[] {
   const looks = viewer.label_looks.value;
   const visible = looks.flatMap((look, label) => (look.visible ? [label] : []));
   return viewer.labels.map(({ material, body }, label) => {
@@ -20,9 +22,10 @@ function items_of(viewer: Viewer, stats: readonly BodyStats[] | null): Item[] {
       beside: body ? name : "background",
       look: looks[label]!,
       alone,
-      amount: stats?.[label] ?? null,
+      amount: amounts?.[label] ?? null,
       change: (what) => change_bodies(viewer, [label], what),
-      show_alone: () => (alone ? show_all_bodies(viewer) : isolate(viewer, [label])),
+      show_alone: () => (alone ? show_all_bodies(viewer) : show_only(viewer, [label])),
+      go_there: () => void go_to_labels(viewer, [label]),
     };
   });
 }
@@ -39,7 +42,7 @@ function Found({ viewer, found }: { viewer: Viewer; found: readonly Item[] }) {
   const labels = found.map(({ id }) => id);
   return (
     <div class="toolbar">
-      <button class="button small" onClick={() => isolate(viewer, labels)}>
+      <button class="button small" onClick={() => show_only(viewer, labels)}>
         Show only these {grouped(labels.length)}
       </button>
       <button class="button small" onClick={() => change_bodies(viewer, labels, { visible: false })}>
@@ -53,7 +56,7 @@ function Found({ viewer, found }: { viewer: Viewer; found: readonly Item[] }) {
 }
 
 export function BodiesPanel({ viewer }: { viewer: Viewer }) {
-  const stats = use_answer<Stats>(viewer.after_slices(viewer.address.body_stats()));
+  const stats = use_stats(viewer);
   const picked = use_picked(viewer);
   const all = Number(product(viewer.cells));
   const items = items_of(viewer, stats.value?.bodies ?? null);
@@ -102,8 +105,9 @@ export function BodiesPanel({ viewer }: { viewer: Viewer }) {
         of_found={(found) => <Found viewer={viewer} found={found} />}
         many_at_once={{
           change: (labels, what) => change_bodies(viewer, labels, what),
-          show_only: (labels) => isolate(viewer, labels),
+          show_only: (labels) => show_only(viewer, labels),
           show_all: () => show_all_bodies(viewer),
+          go_there: (labels) => void go_to_labels(viewer, labels),
         }}
       />
     </>

@@ -5,6 +5,7 @@ import { grouped, plural } from "../base/format";
 import { quoted } from "../base/shell";
 import { use_picture } from "../server/picture";
 import { ALL, type Focus } from "../state/findings";
+import { go_to_finding } from "../visits/go_there";
 import type { Viewer } from "../state/viewer";
 import { CodeLine } from "../widgets/copy";
 import { Select } from "../widgets/select";
@@ -48,12 +49,12 @@ function FindingLine({ viewer, finding, on_visit }: { viewer: Viewer; finding: F
           <span class={`dot ${LEVEL_CARE[finding.level]}`} title={finding.level} aria-label={finding.level} role="img" /> {text}
           {at && <span class="faint"> At {point_text(viewer, at)}.</span>}
         </span>
-        {at && (
+        {(at || finding.bodies.length > 0) && (
           <GoThere
             what={text}
             go={() => {
               on_visit(finding);
-              viewer.visit(at, extent_of(viewer, finding));
+              go_to_finding(viewer, finding);
             }}
           />
         )}
@@ -116,7 +117,7 @@ function WallLine({ viewer, wall }: { viewer: Viewer; wall: Wall }) {
           <b>{wall.body}</b>{" "}
           <span class="faint">{wall.thinnest_cells === null ? "is at least 8 cells thick everywhere" : `thinnest: ${plural(wall.thinnest_cells, "cell")}`}</span>
         </span>
-        {wall.at && <GoThere what={`the thinnest wall of ${wall.body}`} go={() => viewer.visit(wall.at!, extent_of(viewer, { at: wall.at, box: null }))} />}
+        {wall.at && <GoThere what={`the thinnest wall of ${wall.body}`} go={() => go_to_finding(viewer, { at: wall.at, box: null, bodies: [wall.body] })} />}
       </div>
       {wall.thinnest_cells !== null && (
         <div class="histogram" role="img" aria-label={words}>

@@ -6,7 +6,7 @@ import { type MaterialLook, css_color, hex_color, rgb_of_color } from "../base/m
 import type { Viewer } from "../state/viewer";
 import { Fact } from "../widgets/fact";
 import { IconButton } from "../widgets/icons";
-import { BoxText, GoThere } from "./places";
+import { BoxText } from "./places";
 
 export const cells_of = (amount: Amount): string => grouped(amount.cells_text ?? amount.cells);
 
@@ -20,6 +20,7 @@ export interface Item {
   readonly amount: Amount | null; // null while it is not known
   change(what: Partial<MaterialLook>): void;
   show_alone(): void; // shows it alone, or everything when it is alone already
+  go_there(): void;
 }
 
 interface Props {
@@ -44,7 +45,7 @@ function Opacity({ item }: { item: Item }) {
   );
 }
 
-function AmountFacts({ viewer, item: { name, look, amount }, all }: Props) {
+function AmountFacts({ viewer, item: { look, amount }, all }: Props) {
   const share = amount ? amount.cells / all : 0;
   return (
     <>
@@ -61,7 +62,6 @@ function AmountFacts({ viewer, item: { name, look, amount }, all }: Props) {
         <details class="material-box">
           <summary>Bounding box</summary>
           <BoxText viewer={viewer} box={amount.box} />
-          <GoThere what={name} go={() => viewer.go_to_box(amount.box!)} />
         </details>
       ) : (
         amount && <p class="note">It owns no cell.</p>
@@ -107,6 +107,7 @@ export function LookHead({ item, all, opened, set_opened }: HeadProps) {
         aria-pressed={look.visible}
         onClick={() => item.change({ visible: !look.visible })}
       />
+      <IconButton icon="target" label={`Go there: ${name}`} title="Go there: show it in full, and all else faint" onClick={item.go_there} />
       <IconButton icon="solo" label={`Only ${name}`} title="Show nothing else" aria-pressed={item.alone} onClick={item.show_alone} />
     </div>
   );

@@ -16,6 +16,7 @@ export interface ManyAtOnce {
   change(ids: readonly number[], what: Partial<MaterialLook>): void;
   show_only(ids: readonly number[]): void;
   show_all(): void;
+  go_there(ids: readonly number[]): void;
 }
 
 // What is below a branch, as one item. It is seen when any of it is, and has the colour of the first.
@@ -35,6 +36,7 @@ export function together(items: readonly Item[], { name, path, places }: Branch,
     amount: below[0]!.amount && { cells: sum(({ cells }) => cells), volume: sum(({ volume }) => volume), box: null },
     change: (what) => many.change(ids, what),
     show_alone: () => (alone ? many.show_all() : many.show_only(ids)),
+    go_there: () => many.go_there(ids),
   };
 }
 

@@ -1,8 +1,10 @@
 // The materials: how they look, and exactly how much of the grid they fill.
+import { batch } from "@preact/signals";
 import { grouped, product } from "../base/format";
 import type { Stats } from "../base/grid";
 import { type MaterialLook, same_look } from "../base/materials";
-import { use_answer } from "../server/answer";
+import { use_stats } from "../visits/amounts";
+import { go_to_labels } from "../visits/go_there";
 import type { Viewer } from "../state/viewer";
 import { Fact } from "../widgets/fact";
 import type { Item } from "./look_card";
@@ -12,16 +14,29 @@ import { all_distinct, with_colors_of, with_distinct_colors } from "./palette";
 
 function many_at_once(viewer: Viewer): ManyAtOnce {
   const change = (of: (look: MaterialLook, id: number) => MaterialLook) => (viewer.looks.value = viewer.looks.value.map(of));
+  // Who chooses what is seen wants to see that.
+  const choose = (is_visible: (look: MaterialLook, id: number) => boolean) =>
+    batch(() => {
+      viewer.isolated.value = null;
+      change((look, id) => ({ ...look, visible: is_visible(look, id) }));
+    });
   return {
-    change: (ids, what) => {
+    change: (ids, { visible, ...what }) => {
       const wanted = new Set(ids);
-      change((look, id) => (wanted.has(id) ? { ...look, ...what } : look));
+      batch(() => {
+        change((look, id) => (wanted.has(id) ? { ...look, ...what } : look));
+        if (visible !== undefined) choose((look, id) => (wanted.has(id) ? visible : look.visible));
+      });
     },
     show_only: (ids) => {
       const wanted = new Set(ids);
-      change((look, id) => ({ ...look, visible: wanted.has(id) }));
+      choose((_, id) => wanted.has(id));
     },
-    show_all: () => change((look) => ({ ...look, visible: true })),
+    show_all: () => choose(() => true),
+    go_there: (ids) => {
+      const wanted = new Set(ids);
+      void go_to_labels(viewer, viewer.labels.flatMap(({ material }, label) => (wanted.has(material) ? [label] : [])));
+    },
   };
 }
 
@@ -40,12 +55,13 @@ function items_of(viewer: Viewer, stats: Stats | null): Item[] {
       amount: stats?.materials[id] ?? null,
       change: (what) => many.change([id], what),
       show_alone: () => (alone ? many.show_all() : many.show_only([id])),
+      go_there: () => many.go_there([id]),
     };
   });
 }
 
 export function MaterialsPanel({ viewer }: { viewer: Viewer }) {
-  const stats = use_answer<Stats>(viewer.after_slices(viewer.address.stats()));
+  const stats = use_stats(viewer);
   const all = Number(product(viewer.cells));
   const looks = viewer.looks.value;
   const distinct = all_distinct(looks);

@@ -1,10 +1,11 @@
 // One body of the report: its facets, how its inside was decided, its holes, and where its facets face opposite ways.
-import { batch } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { grouped, plural, significant } from "../base/format";
-import type { BodyReport, Hole } from "../base/grid";
+import { type AxisIndex, type BodyReport, type Hole, for_axes } from "../base/grid";
+import { go_to_finding } from "../visits/go_there";
+import { labels_named } from "../state/isolation";
 import { hole_text } from "../state/places";
-import type { Viewer } from "../state/viewer";
+import type { Box, Viewer } from "../state/viewer";
 import { Fact } from "../widgets/fact";
 import { FirstOf } from "./first_of";
 import { GoThere, point_text } from "./places";
@@ -12,12 +13,10 @@ import { seams_text } from "./report_words";
 
 const MANY = 30; // places listed at once
 
-// Makes the hole as large as a third of a small view.
-function look_at(viewer: Viewer, hole: Hole): void {
-  batch(() => {
-    viewer.go_to(hole.at);
-    if (hole.diameter > 0) viewer.zoom.value = 150 / hole.diameter;
-  });
+// The cells around a hole.
+function box_of(viewer: Viewer, { at, diameter }: Hole): Box {
+  const cell = (d: AxisIndex, side: number) => viewer.axes[d].clamp(viewer.axes[d].cell_at(at[d] + (side * diameter) / 2));
+  return [...for_axes((d) => cell(d, -1)), ...for_axes((d) => cell(d, 1) + 1)] as Box;
 }
 
 // A place, with what is there and the button that goes there.
@@ -32,6 +31,7 @@ function PlaceLine({ what, go, children }: { what: string; go: () => void; child
 
 export function BodyDetails({ viewer, body }: { viewer: Viewer; body: BodyReport }) {
   const { units } = viewer;
+  const is_named = labels_named(viewer.info, [body.name]).length > 0;
   const holes = [...body.holes].sort((a, b) => b.diameter - a.diameter);
   return (
     <div class="body-details">
@@ -60,10 +60,11 @@ export function BodyDetails({ viewer, body }: { viewer: Viewer; body: BodyReport
           It owns no cell: it encloses nothing, lies outside the grid or between the sample points, or stronger bodies own all of its cells.
         </p>
       )}
+      {body.cells > 0 && is_named && <GoThere what={body.name} go={() => go_to_finding(viewer, { at: null, box: null, bodies: [body.name] })} />}
       {holes.length > 0 && (
         <FirstOf class="places" list={holes} step={MANY}>
           {(hole, n) => (
-            <PlaceLine key={n} what={`the hole at ${point_text(viewer, hole.at)}`} go={() => look_at(viewer, hole)}>
+            <PlaceLine key={n} what={`the hole at ${point_text(viewer, hole.at)}`} go={() => go_to_finding(viewer, { at: hole.at, box: box_of(viewer, hole), bodies: [body.name] })}>
               <b>{hole_text(hole, units)}</b>
               <br />
               <span class="faint">
@@ -79,7 +80,7 @@ export function BodyDetails({ viewer, body }: { viewer: Viewer; body: BodyReport
           <p class="note">Along {plural(body.flips.length, "curve")}, facets face the opposite way from their neighbours:</p>
           <FirstOf class="places" list={body.flips} step={MANY}>
             {(flip, n) => (
-              <PlaceLine key={n} what={`the curve at ${point_text(viewer, flip.at)}`} go={() => viewer.go_to(flip.at)}>
+              <PlaceLine key={n} what={`the curve at ${point_text(viewer, flip.at)}`} go={() => go_to_finding(viewer, { at: flip.at, box: null, bodies: [body.name] })}>
                 {plural(flip.edges, "edge")} <span class="faint">at {point_text(viewer, flip.at)}</span>
               </PlaceLine>
             )}

@@ -20,6 +20,7 @@ export function with_change(looks: BodyLooks, labels: Iterable<number>, change: 
 export function change_bodies(viewer: Viewer, labels: Iterable<number>, what: Partial<MaterialLook>): void {
   const shown = [...labels];
   batch(() => {
+    if (what.visible !== undefined) viewer.isolated.value = null; // who chooses what is seen wants to see that
     viewer.body_looks.value = with_change(viewer.body_looks.value, shown, () => what);
     if (what.visible) show_materials_of(viewer, shown);
   });
@@ -33,7 +34,7 @@ function show_materials_of(viewer: Viewer, labels: readonly number[]): void {
 }
 
 // Shows these bodies and nothing else.
-export function isolate(viewer: Viewer, labels: Iterable<number>): void {
+export function show_only(viewer: Viewer, labels: Iterable<number>): void {
   const wanted = new Set(labels);
   const others = viewer.labels.flatMap((_, label) => (wanted.has(label) ? [] : [label]));
   batch(() => {

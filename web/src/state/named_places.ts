@@ -1,9 +1,8 @@
 // What has a name in a grid and lies somewhere: bodies, parts of assemblies with all that is below them, and materials.
 import { noun } from "../base/format";
-import type { Stats } from "../base/grid";
 import { by_name, contains } from "../base/names";
 import { type Branch, type Leaf, is_branch, part_tree } from "../base/part_tree";
-import type { Box, Viewer } from "./viewer";
+import type { Viewer } from "./viewer";
 
 export interface NamedPlace {
   readonly name: string;
@@ -42,12 +41,4 @@ export function places_named(list: readonly NamedPlace[], text: string, most: nu
     .sort((a, b) => a.rank - b.rank || by_name(a.place.name, b.place.name))
     .slice(0, most)
     .map(({ place }) => place);
-}
-
-// The box of cells in which it lies; null when it owns none. REQUIRES: of bodies, `stats` has them.
-export function box_of_place({ of, ids }: NamedPlace, stats: Stats): Box | null {
-  const boxes = ids.flatMap((id) => (of === "bodies" ? stats.bodies : stats.materials)?.[id]?.box ?? []);
-  if (boxes.length === 0) return null;
-  const ends = (from: number, most: (...x: number[]) => number) => [0, 1, 2].map((d) => boxes.filter((_, n) => n % 6 === from + d).reduce((a, b) => most(a, b)));
-  return [...ends(0, Math.min), ...ends(3, Math.max)] as Box;
 }

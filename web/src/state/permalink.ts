@@ -12,11 +12,11 @@ import { with_change } from "./bodies";
 import { comparison_in, write_comparison } from "./comparison";
 import { beyond_reach, outside_box, outside_cell, outside_point } from "./outside";
 import { places_found } from "./places";
+import type { Isolation } from "./isolation";
 import { BODY_MODES, type BodyMode, type Box, type Layout, type Panel, type Viewer } from "./viewer";
 
-export function grid_in_address(): string | null {
-  return new URLSearchParams(location.hash.slice(1)).get("g");
-}
+export const query_in_address = (): URLSearchParams => new URLSearchParams(location.hash.slice(1));
+export const grid_in_address = (): string | null => query_in_address().get("g");
 
 const numbers = (text: string | null, count: number): number[] | null => {
   const list = text?.split(",").map((n) => (/^[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?$/i.test(n.trim()) ? Number(n) : Number.NaN));
@@ -70,11 +70,20 @@ function bodies_in_address(of: Viewer["body_looks"]["value"]): { hidden: string;
   return { hidden: ranges(hidden), body: [...alike].map(([look, labels]) => `${ranges(labels)}:${look}`).join(";") };
 }
 
+// only=labels as ranges, perhaps none; found=the box of what was found in them.
+function isolation_in(query: URLSearchParams, viewer: Viewer): Isolation | null {
+  const only = query.get("only");
+  const found = numbers(query.get("found"), 6);
+  const box = found?.every(Number.isInteger) && !outside_box(viewer.axes, found) ? (found as Box) : null;
+  const labels = [...new Set(numbers_in(only ?? "", viewer.labels.length))].sort((a, b) => a - b);
+  return only !== null && (labels.length > 0 || box) ? { labels, box } : null;
+}
+
 const say_if = (text: string | null) => text !== null && say(text);
 
 // Puts the state in the address into the viewer. What is missing there, or makes no sense, stays as it is.
 export function read_address(viewer: Viewer): void {
-  const query = new URLSearchParams(location.hash.slice(1));
+  const query = query_in_address();
   const look = numbers(query.get("look"), 3);
   const zoom = numbers(query.get("zoom"), 1);
   batch(() => {
@@ -129,7 +138,8 @@ export function read_address(viewer: Viewer): void {
     if (steepest > 0) viewer.plane_normal.value = plane!.map((n) => (steepest > 1e6 || steepest < 1e-6 ? n / steepest : n)) as [number, number, number];
     const oblique = ["x", "y", "z"].indexOf(query.get("oblique") ?? "");
     if (oblique >= 0) viewer.oblique.value = oblique as AxisIndex;
-    if (query.get("up") === "y") viewer.sky.value = 1;
+    const up = query.get("up");
+    if (up === "y" || up === "z") viewer.sky.value = up === "y" ? 1 : 2;
     const measure = numbers(query.get("measure"), 7);
     if (measure && [0, 1, 2].includes(measure[0]!)) {
       const beyond = beyond_reach(viewer.axes, "The measured line", measure.slice(1));
@@ -146,6 +156,7 @@ export function read_address(viewer: Viewer): void {
     }
     viewer.looks.value = looks;
     if (viewer.keeps_bodies) read_bodies(viewer, query);
+    viewer.isolated.value = isolation_in(query, viewer);
   });
 }
 
@@ -169,7 +180,7 @@ export function address_of(viewer: Viewer): string {
   if (viewer.oblique.value !== null) start.set("oblique", AXIS_NAMES[viewer.oblique.value]);
   if ((viewer.bodies.value === "plane" || viewer.oblique.value !== null) && viewer.plane_normal.value)
     start.set("plane", viewer.plane_normal.value.map((x) => Number(x.toPrecision(6))).join(","));
-  if (viewer.sky.value === 1) start.set("up", "y");
+  if (viewer.sky.value !== viewer.standard_sky) start.set("up", viewer.sky.value === 1 ? "y" : "z");
   const m = viewer.measure.value;
   if (m) start.set("measure", [m.axis, ...m.from, ...m.to].join(","));
   const changed = viewer.looks.value.flatMap((look, id) => {
@@ -177,6 +188,9 @@ export function address_of(viewer: Viewer): string {
   });
   if (changed.length) start.set("material", changed.join(";"));
   put_bodies(viewer, start);
+  const isolated = viewer.isolated.value;
+  if (isolated) start.set("only", ranges(isolated.labels));
+  if (isolated?.box) start.set("found", isolated.box.join(","));
   return `#${start.toString().replaceAll("%2C", ",").replaceAll("%3A", ":").replaceAll("%3B", ";")}`;
 }
 

@@ -3,15 +3,18 @@
 import { type ReadonlySignal, type Signal, batch, computed, signal } from "@preact/signals";
 import { type Axis, axes_of } from "../base/axis";
 import { unit_name } from "../base/format";
-import { type AxisIndex, GridAddress, type GridInfo, type Index3, type Label, type Plane, type Refinement, for_axes } from "../base/grid";
+import { type Amount, type AxisIndex, GridAddress, type GridInfo, type Index3, type Label, type Plane, type Refinement, type Stats, for_axes } from "../base/grid";
 import { type LabelLook, type MaterialLook, initial_looks, looks_of_labels } from "../base/materials";
+import { upright_axis } from "../base/upright";
 import { TileCounters } from "../tiles/counters";
+import { type Box, ranges_of, small_labels } from "./boxes";
+import { type Isolation, looks_around, marks_in } from "./isolation";
 import { type Range, type ViewSize, fitting_zoom } from "./zoom";
 
 export type ViewName = "x" | "y" | "z" | "3d";
 export type Layout = "four" | ViewName;
 export type Panel = "materials" | "bodies" | "report" | "box" | "leaves" | "share" | "status";
-export type Box = [number, number, number, number, number, number]; // cells of level 0, half open: x0, y0, z0, x1, y1, z1
+export type { Box };
 
 // Where the overview's camera is. Angles are in degrees. The distance to the target is counted in halves of the
 // domain's longest side, and the target is a point in coordinates.
@@ -81,6 +84,9 @@ export class Viewer {
   // machine for itself.
   readonly slices_shown = signal(false);
 
+  // Whether it may turn out yet where to look first (first_view.ts).
+  readonly arriving = signal(false);
+
   // The sizes of the slice views that were in sight last.
   views: readonly ViewSize[] = [];
 
@@ -93,7 +99,11 @@ export class Viewer {
   readonly labels: readonly Label[]; // what the cells carry: materials, or bodies where the file keeps these apart
   readonly looks: Signal<readonly MaterialLook[]>; // of materials
   readonly body_looks = signal<ReadonlyMap<number, Partial<MaterialLook>>>(new Map()); // by label: where a body differs from its material
-  readonly label_looks: ReadonlySignal<readonly LabelLook[]>;
+  readonly label_looks: ReadonlySignal<readonly LabelLook[]>; // as people have chosen them
+  readonly isolated = signal<Isolation | null>(null); // what is shown in full, while the rest is faint
+  readonly shown_looks: ReadonlySignal<readonly LabelLook[]>; // as the views draw them
+  readonly stats = signal<Stats | null>(null); // how much of the grid everything fills, once it is known
+  readonly small: ReadonlySignal<ReadonlySet<number>>; // labels that would vanish in glass
   readonly show_axes = signal<boolean>(true);
   readonly show_scale = signal(true);
   readonly show_lines = signal(true); // between cells, when they are large enough
@@ -108,6 +118,7 @@ export class Viewer {
   readonly tool = signal<"look" | "measure" | "box">("look");
   readonly measuring = signal(false); // whether keys have begun a line; without the tool it means nothing
   readonly markers = signal<readonly Marker[]>([]);
+  readonly marks: ReadonlySignal<readonly Marker[]>; // those that the views draw
   readonly tiles = new TileCounters();
   // The level that each view shows now. A view of a graded grid may show several levels; then it is the finest.
   readonly level: readonly [Signal<number>, Signal<number>, Signal<number>] = [signal(0), signal(0), signal(0)];
@@ -116,9 +127,10 @@ export class Viewer {
   readonly bodies = signal<BodyMode>("cut");
   readonly plane_normal = signal<[number, number, number] | null>(null); // of the plane that cuts, towards what is cut away, and of the oblique view
   readonly oblique = signal<AxisIndex | null>(null); // the slice view in whose place the oblique view is
-  readonly sky = signal<1 | 2>(2); // the axis that is up in the overview: y or z
-  // The last place that was gone to from a list: the overview flies there. `extent`: a length that is to fill the view.
-  readonly visited = signal<{ point: [number, number, number]; extent: number } | null>(null);
+  readonly standard_sky: 1 | 2;
+  readonly sky: Signal<1 | 2>; // the axis that is up in the overview: y or z
+  // Where the overview is to fly to, until it is on its way: a box in coordinates.
+  readonly visited = signal<[Range, Range, Range] | null>(null);
 
   // The cell under the pointer, and the slice that it is in (null: the overview); null outside the grid.
   readonly hover = signal<{ axis: AxisIndex | null; cell: Index3; point: [number, number, number]; labels: readonly number[] | null } | null>(null);
@@ -154,6 +166,11 @@ export class Viewer {
     this.standard_looks = initial_looks(info.materials);
     this.looks = signal(this.standard_looks);
     this.label_looks = computed(() => looks_of_labels(this.labels, this.looks.value, this.body_looks.value));
+    this.shown_looks = computed(() => looks_around(this.label_looks.value, this.isolated.value));
+    this.marks = computed(() => marks_in(this.markers.value, this.isolated.value));
+    this.small = computed(() => small_labels(this.axes, this.amounts ?? [], (label) => this.labels[label]!.material === 0));
+    this.standard_sky = upright_axis(info.report);
+    this.sky = signal(this.standard_sky);
     // Some 16 of the coarsest cells along the longest axis.
     this.standard_refinement = { coarsest: Math.min(Math.max(Math.floor(Math.log2(Math.max(...this.cells) / 16)), 1), 8), layers: 2, want: "" };
     this.refinement = signal(this.standard_refinement);
@@ -167,6 +184,11 @@ export class Viewer {
   // Whether the file tells what mixed cells are made of.
   get has_shares(): boolean {
     return this.info.channels.some(({ name, coding }) => name === "fractions" && coding === "shares");
+  }
+  // What each label fills, once it is known.
+  get amounts(): readonly Amount[] | null {
+    const stats = this.stats.value;
+    return stats && (this.keeps_bodies && stats.bodies ? stats.bodies : stats.materials);
   }
   // The name of each label's material.
   get material_names(): string[] {
@@ -210,6 +232,7 @@ export class Viewer {
       this.panel.value = "materials";
       this.looks.value = this.standard_looks;
       this.body_looks.value = new Map();
+      this.isolated.value = null;
       for (const name of ["show_axes", "show_scale", "show_lines", "show_outline", "show_shares", "show_leaves"] as const)
         this[name].value = this.standard_switches[name];
       this.refinement.value = this.standard_refinement;
@@ -221,7 +244,7 @@ export class Viewer {
       this.bodies.value = "cut";
       this.plane_normal.value = null;
       this.oblique.value = null;
-      this.sky.value = 2;
+      this.sky.value = this.standard_sky;
     });
   }
 
@@ -251,25 +274,20 @@ export class Viewer {
     this.go_to_cell(for_axes((d) => this.axes[d].cell_at(point[d])));
   }
 
-  // The same, and all views come so near that a length fills a good part of them; the overview flies there.
-  visit(point: readonly [number, number, number], extent: number): void {
+  // All views come so near that a box, in coordinates, fills a good part of them; the overview flies there.
+  frame(box: [Range, Range, Range]): void {
     batch(() => {
-      this.go_to(point);
-      const ranges = point.map((x) => ({ min: x - extent / 2, max: x + extent / 2 })) as [Range, Range, Range];
-      if (this.views.length) this.zoom.value = fitting_zoom(ranges, this.views);
-      this.visited.value = { point: [...point], extent };
+      this.centre.value = for_axes((d) => (box[d].min + box[d].max) / 2);
+      if (this.views.length) this.zoom.value = fitting_zoom(box, this.views);
+      this.visited.value = box;
     });
   }
 
   // Looks at a box of cells so that all views show the whole of it.
   go_to_box(box: Box): void {
-    const ranges = for_axes((d) => ({ min: this.axes[d].plane(box[d]), max: this.axes[d].plane(box[d + 3]!) }));
-    const middle = for_axes((d) => (ranges[d].min + ranges[d].max) / 2);
     batch(() => {
-      this.go_to(middle);
-      this.centre.value = middle;
-      if (this.views.length) this.zoom.value = fitting_zoom(ranges, this.views);
+      this.go_to(for_axes((d) => (this.axes[d].plane(box[d]) + this.axes[d].plane(box[d + 3]!)) / 2));
+      this.frame(ranges_of(this.axes, box));
     });
   }
 }
-

@@ -36,7 +36,7 @@ export function fit(viewer: Viewer): void {
   });
 }
 
-// Takes one step back: puts the tool away, or else removes the measured line, the box or the pin.
+// Takes one step back: puts the tool away, or else shows all again, or removes the measured line, the box or the pin.
 export function escape(viewer: Viewer): void {
   batch(() => {
     viewer.sweeping.value = null;
@@ -44,7 +44,8 @@ export function escape(viewer: Viewer): void {
       viewer.tool.value = "look";
       return;
     }
-    if (viewer.measure.value) viewer.measure.value = viewer.thickness.value = null;
+    if (viewer.isolated.value) viewer.isolated.value = null;
+    else if (viewer.measure.value) viewer.measure.value = viewer.thickness.value = null;
     else if (viewer.box.value) viewer.box.value = null;
     else viewer.pinned.value = null;
   });

@@ -36,7 +36,7 @@ export const slice_bindings: readonly Binding[] = [
   { keys: "f", does: "save a figure for print: PNG or SVG" },
   { keys: "g", does: "go to a place: coordinates, a cell, or the name of a body, a part or a material" },
   { keys: "h ?", does: "show these keys" },
-  { keys: "Escape", does: "put the tool away; remove the measured line, the box or the pin" },
+  { keys: "Escape", does: "put the tool away; show all again; remove the measured line, the box or the pin" },
 ];
 
 export const overview_bindings: readonly Binding[] = [

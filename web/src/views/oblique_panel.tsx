@@ -8,7 +8,7 @@ import { type Angles, type Vec3, angles_of, normal_of, normal_through, steepest,
 import { PlaneView, frame_in } from "../oblique/plane_view";
 import type { Viewer } from "../state/viewer";
 import { toggle_layout } from "./actions";
-import { MaximiseButton } from "./panel";
+import { MaximiseButton } from "./maximise_button";
 import { NumberBox } from "./slice_bar";
 import type { Stage } from "./stage";
 

@@ -119,6 +119,14 @@ function draw_extent(pen: Pen, box: Box, hatched: boolean): void {
   context.globalAlpha = 1;
 }
 
+// The box of what "Go there" has gone to.
+export function draw_found(pen: Pen): void {
+  const box = pen.viewer.isolated.value?.box;
+  if (!box) return;
+  const slice = pen.viewer.cell.value[pen.axis];
+  pen.cells(extent_in(pen.frame, box), pen.ink.marker, { width: 2, dash: slice >= box[pen.axis] && slice < box[pen.axis + 3]! ? [] : ELSEWHERE });
+}
+
 // The worst comes first. A marker very near to an earlier one is left out, and so is a label that would lie over an earlier one or be cut.
 export function draw_markers(pen: Pen, level: number): void {
   const { camera, viewer, frame, axis, ink, context } = pen;
@@ -126,9 +134,9 @@ export function draw_markers(pen: Pen, level: number): void {
   const slice = viewer.cell.value[axis];
   const [low, high] = [across.plane((slice >> level) * 2 ** level), across.plane(Math.min(((slice >> level) + 1) * 2 ** level, across.cells))];
   const labels: Label[] = [];
-  for (const { box, guess } of viewer.markers.value) if (box && slice >= box[axis] && slice < box[axis + 3]!) draw_extent(pen, box, guess === true);
+  for (const { box, guess } of viewer.marks.value) if (box && slice >= box[axis] && slice < box[axis + 3]!) draw_extent(pen, box, guess === true);
   const tips: (readonly [number, number])[] = [];
-  for (const { at, text, name } of viewer.markers.value) {
+  for (const { at, text, name } of viewer.marks.value) {
     const w = at[axis];
     const away = Math.max(low - w, w - high, 0) * camera.zoom;
     if (away > NEAR) continue;

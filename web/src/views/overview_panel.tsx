@@ -4,7 +4,8 @@ import { useEffect, useRef } from "preact/hooks";
 import { words_of } from "../base/messages";
 import type { Viewer } from "../state/viewer";
 import { toggle_layout } from "./actions";
-import { MaximiseButton, activating } from "./panel";
+import { MaximiseButton } from "./maximise_button";
+import { activating } from "./panel";
 import type { Stage } from "./stage";
 
 export function OverviewPanel({ stage, viewer }: { stage: Stage; viewer: Viewer }) {

@@ -5,6 +5,7 @@ import { AXIS_NAMES, type AxisIndex } from "../base/grid";
 import type { ViewName, Viewer } from "../state/viewer";
 import { toggle_layout } from "./actions";
 import { Gestures } from "./gestures";
+import { MaximiseButton } from "./maximise_button";
 import { ObliquePanel } from "./oblique_panel";
 import { SliceBar } from "./slice_bar";
 import type { Stage } from "./stage";
@@ -13,21 +14,6 @@ import type { Stage } from "./stage";
 export function activating(stage: Stage, view: ViewName) {
   const activate = () => stage.activate(view);
   return { onPointerEnter: activate, onPointerMove: activate, onFocusIn: activate };
-}
-
-export function MaximiseButton({ what, alone, toggle }: { what: string; alone: boolean; toggle: () => void }) {
-  return (
-    <button
-      class="view-maximise"
-      aria-label={alone ? "All four views" : `${what} alone`}
-      title={alone ? "All four views (space)" : "This view alone (space)"}
-      onClick={toggle}
-    >
-      <svg viewBox="0 0 16 16" width="14" height="14" aria-hidden="true" fill="none" stroke="currentColor" stroke-width="1.6">
-        <path d={alone ? "M6.5 2v4.5H2M9.5 14V9.5H14" : "M9.5 2.5h4v4M6.5 13.5h-4v-4"} />
-      </svg>
-    </button>
-  );
 }
 
 function Title({ stage, viewer, axis }: { stage: Stage; viewer: Viewer; axis: AxisIndex }) {

@@ -20,7 +20,7 @@ export function snapshot(viewer: Viewer, ratio: number): HTMLCanvasElement {
   out.height = Math.round(frame.height * ratio);
   const context = out.getContext("2d")!;
   const style = getComputedStyle(host);
-  scene.palette.update(viewer.label_looks.value, scene.ink.ground, scene.ink.outside);
+  scene.palette.update(viewer.shown_looks.value, scene.ink.ground, scene.ink.outside);
   context.fillStyle = style.getPropertyValue("--view-gap");
   context.fillRect(0, 0, out.width, out.height);
   for (const panel of host.querySelectorAll<HTMLElement>(".view-panel:not([hidden])")) {

@@ -116,8 +116,8 @@ export class Stage {
     this.stops.push(
       effect(() => {
         for (const s of [
-          v.slices_shown, v.cell, v.centre, v.zoom, v.layout, v.label_looks, v.show_axes, v.show_scale, v.show_lines, v.show_outline, v.show_shares, v.show_leaves, v.cut, v.box, v.measure, v.pinned,
-          v.markers, this.draft,
+          v.slices_shown, v.cell, v.centre, v.zoom, v.layout, v.shown_looks, v.show_axes, v.show_scale, v.show_lines, v.show_outline, v.show_shares, v.show_leaves, v.cut, v.box, v.measure, v.pinned,
+          v.markers, v.isolated, this.draft,
         ])
           s.value;
         this.invalidate();
@@ -179,7 +179,7 @@ export class Stage {
 
   // Whether everything in sight is sharp and on the screen.
   idle(): boolean {
-    return !this.dirty && this.laid_out() && this.viewer.zoom.value > 0 && this.views.every((view) => view.sharp);
+    return !this.dirty && !this.viewer.arriving.value && this.laid_out() && this.viewer.zoom.value > 0 && this.views.every((view) => view.sharp);
   }
 
   // Whether the views have the sizes of the layout, which they get shortly after it changes.
@@ -271,7 +271,7 @@ export class Stage {
         .flatMap((view) => view.leaves?.missing ?? [])
         .map((place) => ({ place, ahead: false })),
     );
-    palette.update(viewer.label_looks.value, scene.ink.ground, scene.ink.outside);
+    palette.update(viewer.shown_looks.value, scene.ink.ground, scene.ink.outside);
     let painted = false;
     for (const view of views) {
       painted = view.paint(scene) || painted;

@@ -3,6 +3,7 @@
 import { useLayoutEffect, useMemo, useRef } from "preact/hooks";
 import type { AxisIndex } from "../base/grid";
 import type { Viewer } from "../state/viewer";
+import { IsolatedNote } from "./isolated_note";
 import { attach_keys } from "./keys";
 import { OverviewPanel } from "./overview_panel";
 import { SlicePanel } from "./panel";
@@ -37,6 +38,7 @@ export function Views({ viewer }: { viewer: Viewer }) {
         <SlicePanel key={axis} stage={stage} viewer={viewer} axis={axis} />
       ))}
       <OverviewPanel stage={stage} viewer={viewer} />
+      <IsolatedNote viewer={viewer} />
       <ToolNote viewer={viewer} />
     </div>
   );

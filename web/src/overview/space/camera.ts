@@ -79,7 +79,7 @@ export function fitted(half: Readonly<Vec3>, azimuth: number, elevation: number,
   const orbit: Orbit = { azimuth, elevation, distance: 1, target: [0, 0, 0], sky };
   const b = basis(orbit);
   const { x, y } = reach(aspect);
-  let distance = 0.1;
+  let distance = 0;
   for (let corner = 0; corner < 8; ++corner) {
     const p: Vec3 = [corner & 1 ? half[0] : -half[0], corner & 2 ? half[1] : -half[1], corner & 4 ? half[2] : -half[2]];
     const across = Math.max(Math.abs(dot(p, b.right)) / x, Math.abs(dot(p, b.up)) / y) / share;

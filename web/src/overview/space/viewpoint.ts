@@ -1,7 +1,7 @@
 // Where the overview is looked at from: the viewer's orbit, in the overview's space, and flights from one view to
 // another.
 import type { Viewer } from "../../state/viewer";
-import { HOME, type Orbit, between, fitted } from "./camera";
+import { FARTHEST, HOME, type Orbit, between, fitted } from "./camera";
 import { type Space, type Vec3, from_space, point_to_space } from "./space";
 
 const FLIGHT = 320; // milliseconds from view to view
@@ -20,6 +20,14 @@ export class Viewpoint {
   // The view that shows the whole domain, from a direction.
   home(azimuth = HOME.azimuth, elevation = HOME.elevation): Orbit {
     return fitted(this.space.half, azimuth, elevation, this.aspect, 0.8, this.viewer.sky.value);
+  }
+
+  // The view that shows a box, from the direction of the present one.
+  framing(low: Vec3, high: Vec3, nearest: number): Orbit {
+    const { azimuth, elevation } = this.orbit;
+    const half = high.map((x, d) => (x - low[d]!) / 2) as Vec3;
+    const fits = fitted(half, azimuth, elevation, this.aspect, 0.8, this.viewer.sky.value);
+    return { ...fits, target: high.map((x, d) => (x + low[d]!) / 2) as Vec3, distance: Math.min(Math.max(fits.distance, nearest), FARTHEST) };
   }
 
   get orbit(): Orbit {

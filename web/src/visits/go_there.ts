@@ -1,0 +1,50 @@
+// Go there: what is looked at is isolated, all views frame it with some room, and the slices go through a cell of it.
+import { batch } from "@preact/signals";
+import type { Finding } from "../base/findings";
+import { type Index3, for_axes } from "../base/grid";
+import { say, words_of } from "../base/messages";
+import { box_around, with_room } from "../state/boxes";
+import { labels_named } from "../state/isolation";
+import type { Box, Viewer } from "../state/viewer";
+import { load_amounts } from "./amounts";
+import { nearest_cell } from "./nearest_cell";
+
+const ROOM = 0.15; // around a body, as a share of its longest side
+const ROOM_OF_FINDING = 0.3; // around the place of a finding, which says little without what is near it
+const CELLS_AROUND = 8;
+
+export const middle_cell = (box: Box): Index3 => for_axes((d) => (box[d] + box[d + 3]! - 1) >> 1);
+
+// Bodies, or materials where the file does not keep bodies apart.
+export async function go_to_labels(viewer: Viewer, labels: readonly number[]): Promise<void> {
+  try {
+    const amounts = await load_amounts(viewer);
+    const box = box_around(labels.map((label) => amounts[label]?.box));
+    if (!box) return say(`${labels.length === 1 ? "It owns" : "They own"} no cell, so there is no place to go to.`);
+    const middle = middle_cell(box);
+    batch(() => {
+      // The background is around everything: it can't be shown alone.
+      viewer.isolated.value = labels.some((label) => viewer.labels[label]!.material === 0) ? null : { labels: [...labels].sort((a, b) => a - b), box: null };
+      viewer.set_cell(middle);
+      viewer.frame(with_room(viewer.axes, box, ROOM));
+    });
+    const here = viewer.cell.peek();
+    const cell = await nearest_cell(viewer, labels, box, middle);
+    if (cell && viewer.cell.peek() === here) viewer.set_cell(cell); // unless somebody has moved on
+  } catch (error) {
+    say(`The place can't be looked for: ${words_of(error)}.`);
+  }
+}
+
+// What was found is framed, not the bodies that it was found in. What has no place of its own is shown as these bodies.
+export function go_to_finding(viewer: Viewer, { at, box, bodies }: Pick<Finding, "at" | "box" | "bodies">): void {
+  const labels = labels_named(viewer.info, bodies);
+  if (!at) return void (labels.length && go_to_labels(viewer, labels));
+  const cell = for_axes((d) => viewer.axes[d].clamp(viewer.axes[d].cell_at(at[d])));
+  const place = box ?? ([...cell, ...cell.map((i) => i + 1)] as Box);
+  batch(() => {
+    viewer.isolated.value = { labels, box: place };
+    viewer.set_cell(cell);
+    viewer.frame(with_room(viewer.axes, place, ROOM_OF_FINDING, CELLS_AROUND));
+  });
+}
