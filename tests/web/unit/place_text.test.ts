@@ -82,8 +82,3 @@ test("names: the whole one first, then what begins with the text, also within a 
   assert.deepEqual([found("steel"), found("air"), found(" ")], [["steel: material"], [], []]);
   assert.deepEqual(places_named(list, "/car/front", 1)[0]!.ids, [1, 2]);
 });
-  const stats = { bodies: [amount(0, 0, 0, 9, 9, 9), amount(1, 2, 3, 2, 3, 4), amount(0, 5, 3, 1, 6, 4), { box: null }] } as unknown as Stats;
-  const [front] = places_named(list, "/car/front", 1);
-  assert.deepEqual(box_of_place(front!, stats), [0, 2, 3, 2, 6, 4]);
-  assert.equal(box_of_place(places_named(list, "wheelbase", 1)[0]!, stats), null);
-});
