@@ -100,15 +100,16 @@ std::vector<bool> materials_asked_for(const GridRequest& r) {
     for (const std::string_view text : split(*list, ',')) {
       const auto id = plain_integer(text);
       if (!id || static_cast<size_t>(*id) >= n)
-        throw bad_request(fmt::format("materials: expected ids from 0 to {} separated by commas, as the grid's description lists them, found '{}'", n - 1,
-                                      text.substr(0, 48)));
+        throw bad_request(fmt::format("materials: expected ids from 0 to {} separated by commas, as the grid's description lists them, found '{}'",
+                                      n - 1, text.substr(0, 48)));
       out[static_cast<size_t>(*id)] = true;
     }
   return out;
 }
 
 Response picture_answer(const GridRequest& r, const char* route, const SliceView& view) {
-  const PictureStyle style = {.shown = materials_asked_for(r), .outline = switched_on(r.target, "outline"), .shares = asks_for_shares(r.target, *r.grid)};
+  const PictureStyle style = {
+      .shown = materials_asked_for(r), .outline = switched_on(r.target, "outline"), .shares = asks_for_shares(r.target, *r.grid)};
   Service::Recipe recipe = picture_recipe(r.reader(), view, style);
   recipe.route = route;
   return r.answer(recipe);

@@ -40,16 +40,18 @@ Response answer_plane(const GridRequest& r) {
   PlaneView view = parse_plane_view([&](std::string_view option) { return r.target.find(option); }, r.meta().grid, "");
   const PixelWindow window = window_of(r.target, view.i1, view.j1);
   if (const uint64_t most = std::min(r.service.options().max_pixels, kMostOutlined); window.height() > most / window.width())
-    throw bad_request(fmt::format("window: expected at most {} pixels, found {} x {}: ask for the picture part by part", most, window.width(), window.height()));
+    throw bad_request(
+        fmt::format("window: expected at most {} pixels, found {} x {}: ask for the picture part by part", most, window.width(), window.height()));
   const int64_t height = view.j1;
   view.i0 = window.x0, view.i1 = window.x1, view.j0 = height - window.y1, view.j1 = height - window.y0;
   if (is_picture)
     return r.answer({.route = "plane", .content_type = "image/png", .make = [&r, view, style = PictureStyle{.shown = materials_asked_for(r)}] {
                        return picture_png(r.reader(), view, style);
                      }});
-  return r.answer({.route = "plane_bin", .content_type = "application/octet-stream", .compress = true, .make = [&r, view, bodies = asks_for_bodies(r)] {
-                     return bodies ? raw_label_sets(r.reader(), view) : raw_sets(r.reader(), view);
-                   }});
+  return r.answer(
+      {.route = "plane_bin", .content_type = "application/octet-stream", .compress = true, .make = [&r, view, bodies = asks_for_bodies(r)] {
+         return bodies ? raw_label_sets(r.reader(), view) : raw_sets(r.reader(), view);
+       }});
 }
 
 // A part as large as a tile of a slice costs little more than one.

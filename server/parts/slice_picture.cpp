@@ -249,7 +249,9 @@ std::string raw_labels(const GridReader& reader, const SliceView& view) {
 
 std::string raw_sets(const GridReader& reader, const SliceView& view, const FractionReader* shares) { return sets_of(reader, view, shares); }
 std::string raw_sets(const GridReader& reader, const PlaneView& view) { return sets_of(reader, view, nullptr); }
-std::string raw_label_sets(const GridReader& reader, const SliceView& view, const FractionReader* shares) { return label_sets_of(reader, view, shares); }
+std::string raw_label_sets(const GridReader& reader, const SliceView& view, const FractionReader* shares) {
+  return label_sets_of(reader, view, shares);
+}
 std::string raw_label_sets(const GridReader& reader, const PlaneView& view) { return label_sets_of(reader, view, nullptr); }
 
 }  // namespace teracell::server

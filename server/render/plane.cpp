@@ -93,9 +93,11 @@ class PlaneOptions {
     if (const auto size = this->size(centre != nullptr)) {
       const auto [width, height] = *size;
       pixel = pixel_length().value_or(std::max(extent.width() / static_cast<double>(width), extent.height() / static_cast<double>(height)));
-      const Vec3 at = centre ? words_.point("centre", *centre) : plane.point((extent.low[0] + extent.high[0]) / 2, (extent.low[1] + extent.high[1]) / 2);
+      const Vec3 at =
+          centre ? words_.point("centre", *centre) : plane.point((extent.low[0] + extent.high[0]) / 2, (extent.low[1] + extent.high[1]) / 2);
       out.i1 = width, out.j1 = height;
-      out.corner = plane.point(dot(plane.right, at) - static_cast<double>(width) / 2 * pixel, dot(plane.up, at) - static_cast<double>(height) / 2 * pixel);
+      out.corner =
+          plane.point(dot(plane.right, at) - static_cast<double>(width) / 2 * pixel, dot(plane.up, at) - static_cast<double>(height) / 2 * pixel);
     } else {
       pixel = pixel_length().value_or(std::max(extent.width(), extent.height()) / static_cast<double>(longer_side()));
       if (const double most = std::max(extent.width(), extent.height()) / pixel; most > static_cast<double>(kLongestSide))
@@ -111,7 +113,8 @@ class PlaneOptions {
 
  private:
   DirectedPlane plane_of(const std::string& text) const {
-    constexpr const char* kExpected = "4, 5 or 9 numbers up to 1e75: a normal and an offset, two angles and a point, or three points that are not on one line";
+    constexpr const char* kExpected =
+        "4, 5 or 9 numbers up to 1e75: a normal and an offset, two angles and a point, or three points that are not on one line";
     const auto list = split(text, ',');
     std::vector<double> n;
     for (const std::string_view word : list) n.push_back(words_.number("plane", word, kExpected));
@@ -172,7 +175,8 @@ class PlaneOptions {
   std::optional<std::pair<int64_t, int64_t>> size(bool has_centre) const {
     const std::string* const text = text_("size");
     if (!text && !has_centre) return std::nullopt;
-    if (const std::string* pixels = text_("pixels")) words_.refuse("pixels", fmt::format("it without {}{}", words_.dashes(), text ? "size" : "centre"), *pixels);
+    if (const std::string* pixels = text_("pixels"))
+      words_.refuse("pixels", fmt::format("it without {}{}", words_.dashes(), text ? "size" : "centre"), *pixels);
     if (!text) return std::pair(kLongerSide, kLongerSide);
     const auto n = numbers_in<int64_t>(*text, 2);
     const auto is_side = [](int64_t side) { return side >= 1 && side <= kLongestSide; };

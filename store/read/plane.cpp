@@ -27,7 +27,13 @@ struct PixelStretch {
 class PlaneReader {
  public:
   PlaneReader(const GridReader& reader, const PlaneView& view, const SetValue& value, uint16_t outside, int threads)
-      : reader_(reader), grid_(reader.meta().grid), view_(view), value_(value), outside_(outside), threads_(threads), shape_(reader.shape(view.level)),
+      : reader_(reader),
+        grid_(reader.meta().grid),
+        view_(view),
+        value_(value),
+        outside_(outside),
+        threads_(threads),
+        shape_(reader.shape(view.level)),
         frame_(reader.meta().frame()) {}
 
   // The pixels of columns [i0, i1) and rows [j0, j1); that of column view.i0 in row j is at out[(j - j0) * width].
@@ -114,8 +120,8 @@ class PlaneReader {
       const Index3 at{cell(frame_.u, i, j), cell(frame_.v, i, j), cell(frame_.w, i, j)};
       const bool outside = at[0] < 0 || at[1] < 0 || at[2] < 0;
       const bool same = i > i0 && (outside ? out.back().chunk == kNone
-                                           : at[0] >= here.lo[0] && at[0] < here.hi[0] && at[1] >= here.lo[1] && at[1] < here.hi[1] && at[2] >= here.lo[2] &&
-                                                 at[2] < here.hi[2]);
+                                           : at[0] >= here.lo[0] && at[0] < here.hi[0] && at[1] >= here.lo[1] && at[1] < here.hi[1] &&
+                                                 at[2] >= here.lo[2] && at[2] < here.hi[2]);
       if (same) {
         ++out.back().to;
         continue;
@@ -124,7 +130,8 @@ class PlaneReader {
       uint64_t chunk = kNone;
       if (!outside) {
         const Index3 sizes{shape_.chunk_rays, shape_.chunk_rays, shape_.chunk_cells};
-        ChunkKey key{view_.level, static_cast<uint32_t>(at[0] / sizes[0]), static_cast<uint32_t>(at[1] / sizes[1]), static_cast<uint32_t>(at[2] / sizes[2])};
+        ChunkKey key{view_.level, static_cast<uint32_t>(at[0] / sizes[0]), static_cast<uint32_t>(at[1] / sizes[1]),
+                     static_cast<uint32_t>(at[2] / sizes[2])};
         for (size_t d = 0; d < 3; ++d) here.lo[d] = at[d] / sizes[d] * sizes[d], here.hi[d] = here.lo[d] + sizes[d];
         const uint64_t page = shape_.page_of(key);
         chunk = page * shape_.page_chunks * shape_.page_chunks + shape_.slot_of(key, page);

@@ -55,7 +55,8 @@ inline std::vector<std::string> targets_of(const Metadata& meta, int levels) {
   };
   for (const int level : some)
     for (const char* ending : {"png", "bin", "bin?bodies=1"})
-      out.push_back(fmt::format("{}/slice/plane.{}{}plane=30,40,{}&level={}", api, ending, std::strchr(ending, '?') ? "&" : "?", corner(n0[0] / 2, n0[1] / 2, n0[2] / 2), level));
+      out.push_back(fmt::format("{}/slice/plane.{}{}plane=30,40,{}&level={}", api, ending, std::strchr(ending, '?') ? "&" : "?",
+                                corner(n0[0] / 2, n0[1] / 2, n0[2] / 2), level));
   const std::string first = corner(0, 0, 0);
   for (const std::string& last : {corner(n0[0], n0[1], n0[2]), corner(n0[0], 0, 0), corner(0, n0[1], 0), corner(0, 0, n0[2])})
     out.push_back(fmt::format("{}/line?from={}&to={}", api, first, last));

@@ -48,7 +48,8 @@ TEST_CASE("A normal and an offset, two angles and a point, and three points say 
   const double root = std::sqrt(2.0), offset = 5 + 1 + root * 4;
   const PlaneView by_normal = view_of(grid, {{"plane", fmt::format("1,1,{},{}", root, offset)}});
   const Vec3 p = point(by_normal, 10, 10), q = point(by_normal, 400, 30), r = point(by_normal, 50, 300);
-  const PlaneView by_points = view_of(grid, {{"plane", fmt::format("{},{},{},{},{},{},{},{},{}", p[0], p[1], p[2], q[0], q[1], q[2], r[0], r[1], r[2])}});
+  const PlaneView by_points =
+      view_of(grid, {{"plane", fmt::format("{},{},{},{},{},{},{},{},{}", p[0], p[1], p[2], q[0], q[1], q[2], r[0], r[1], r[2])}});
   for (const PlaneView& view : {by_angles, by_points}) {
     CHECK(near(view.corner, by_normal.corner));
     CHECK(near(view.right, by_normal.right));
@@ -63,7 +64,8 @@ TEST_CASE("All of a plane that lies in the grid is in its picture, and no side o
   std::uniform_real_distribution<double> share(0, 1);
   for (int n = 0; n < 200; ++n) {
     const Vec3 middle{10 * share(random), -3 + 8 * share(random), 2 + 4 * share(random)};
-    const PlaneView view = view_of(grid, {{"plane", fmt::format("{},{},{},{},{}", 360 * share(random), 180 * share(random) - 90, middle[0], middle[1], middle[2])}});
+    const PlaneView view =
+        view_of(grid, {{"plane", fmt::format("{},{},{},{},{}", 360 * share(random), 180 * share(random) - 90, middle[0], middle[1], middle[2])}});
     REQUIRE(std::max(view.i1, view.j1) == 1024);
     // The distance between neighbours is the same to the right and upwards, and these are at right angles.
     REQUIRE(norm(view.right) == Approx(norm(view.up)));

@@ -12,7 +12,9 @@ using namespace testing;
 
 constexpr uint16_t kOutside = 999;
 
-Grid three_axes() { return {{Axis::uniform(-1, 0.25, 3, 19, 0.5), Axis::graded({0, 0.1, 0.5, 2, 2.5, 2.75, 4}, 0.5), Axis::uniform(10, 0.5, 0, 17, 0.25)}}; }
+Grid three_axes() {
+  return {{Axis::uniform(-1, 0.25, 3, 19, 0.5), Axis::graded({0, 0.1, 0.5, 2, 2.5, 2.75, 4}, 0.5), Axis::uniform(10, 0.5, 0, 17, 0.25)}};
+}
 
 // The pixels of the view, the lowest row first.
 std::vector<uint16_t> pixels_of(const GridReader& reader, const PlaneView& view, int threads = 1, int64_t held = kHeldCells, bool top_down = false) {

@@ -150,7 +150,8 @@ PlaneView plane_of(const SliceArguments& o, const Grid& grid) {
 void write_plane_png(const GridReader& reader, const PlaneView& view, int threads, OutputFile& file) {
   server::SetColors colors(reader.meta(), view.level);
   const uint16_t outside = colors.number_of({0, 0, 0, 0});
-  server::PngWriter png(static_cast<uint32_t>(view.i1), static_cast<uint32_t>(view.j1), colors, [&](std::span<const uint8_t> bytes) { file.append(bytes); });
+  server::PngWriter png(static_cast<uint32_t>(view.i1), static_cast<uint32_t>(view.j1), colors,
+                        [&](std::span<const uint8_t> bytes) { file.append(bytes); });
   for_each_plane_row(reader, view, colors.value(), outside, true, threads, [&](int64_t, std::span<const uint16_t> row) { png.append(row); });
   png.finish();
 }
@@ -170,10 +171,11 @@ void write_plane_npy(const GridReader& reader, const PlaneView& view, int thread
 // What a picture of a plane can't have, and what only it can.
 void check_options(const SliceArguments& o) {
   const bool is_plane = o.plane.contains("plane");
-  if (is_plane != o.axis.empty())
-    throw UsageError(fmt::format("--axis, --plane: expected one of them, found {}", is_plane ? "both" : "neither"));
+  if (is_plane != o.axis.empty()) throw UsageError(fmt::format("--axis, --plane: expected one of them, found {}", is_plane ? "both" : "neither"));
   const auto refuse = [&](bool given, const char* option) {
-    if (given) throw UsageError(fmt::format("{}: expected {} --plane, found it {} it", option, is_plane ? "it without" : "it with", is_plane ? "with" : "without"));
+    if (given)
+      throw UsageError(
+          fmt::format("{}: expected {} --plane, found it {} it", option, is_plane ? "it without" : "it with", is_plane ? "with" : "without"));
   };
   if (is_plane) {
     refuse(o.index.has_value(), "--index");
@@ -224,8 +226,9 @@ Run setup_slice(CLI::App& app) {
   app.add_option("--index", o->index, "which slice, counted in cells of the level");
   app.add_option("--at", o->at, "the coordinate that the slice holds, instead of --index");
   app.add_option("-o,--output", o->output, "a .png (v points up) or an .npy (material ids, shape [v][u], row 0 is v = 0)")->required();
-  app.add_option_function<int>("--level", [o](int level) { o->given_level = o->level = level; },
-                               "the level of the pyramid: its cells are 2^level times as wide (default 0; of a plane, the highest whose cells are at most as wide as a pixel)");
+  app.add_option_function<int>(
+      "--level", [o](int level) { o->given_level = o->level = level; },
+      "the level of the pyramid: its cells are 2^level times as wide (default 0; of a plane, the highest whose cells are at most as wide as a pixel)");
   app.add_option("--region", o->region, "U0,V0,U1,V1: half open, in cells of the level; z-slices have u = x, v = y; y-slices x, z; x-slices y, z");
   app.add_option("--refine", o->refine, "M,N: with lines between the leaves of the grid refined so, as for export");
   app.add_option("--want", o->want, "what is to be how fine, as for export");
@@ -237,7 +240,8 @@ Run setup_slice(CLI::App& app) {
       add_word(app, "--" + name, std::string(option.value), std::string(option.help), [o, name](const std::string& text) { o->plane[name] = text; });
   }
   add_threads(app, o->threads);
-  app.footer("Examples:\n  teracell slice g.tcell --axis z --index 500 -o z.png\n  teracell slice g.tcell --axis x --at 12.5 --level 2 -o x.npy\n  teracell slice g.tcell --plane 45,30,0,0,0 -o cut.png");
+  app.footer(
+      "Examples:\n  teracell slice g.tcell --axis z --index 500 -o z.png\n  teracell slice g.tcell --axis x --at 12.5 --level 2 -o x.npy\n  teracell slice g.tcell --plane 45,30,0,0,0 -o cut.png");
   return [o] { run(*o); };
 }
 
