@@ -25,7 +25,7 @@ async function open_oblique(at) {
 
 // The picture on the screen against the command line's, of the plane that was asked for last.
 async function as_the_command_line_has_it(page, grid) {
-  await page.waitForTimeout(300);
+  await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
   await sharp(page);
   const asked = page.asked.at(-1);
   const [width, height] = asked.get("size").split(",").map(Number);

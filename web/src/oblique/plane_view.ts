@@ -12,11 +12,17 @@ import { Palette, SetTable } from "../tiles/sets";
 import { type Ink, read_ink } from "../views/drawing/ink";
 import { FONT } from "../views/drawing/pen";
 import { type PlaneFrame, SLICE_NORMALS, type Vec3, cross, dot, onto, outline_of, plane_frame, plus } from "./frame";
-import { type PlaneAim, type PlanePicture, PlaneSource } from "./plane_source";
+import { type PlaneAim, type PlanePicture, PlaneSource, plane_query } from "./plane_source";
 
 const REST = 140; // milliseconds without a change, after which the sharp picture is asked for
 const FINEST = 2; // device pixels per CSS pixel
 const BAR = 130; // CSS pixels of the longest scale bar
+
+export interface PlaneState {
+  readonly waiting: boolean; // for the sharp picture
+  readonly damaged: boolean; // parts of it can't be read
+  readonly trouble: string; // why there is none; empty: there is
+}
 
 // The plane that the signals say. Without a normal it is the slice whose place it takes.
 export const frame_in = (viewer: Viewer): PlaneFrame =>
@@ -25,13 +31,14 @@ export const frame_in = (viewer: Viewer): PlaneFrame =>
 export class PlaneView {
   readonly cells = document.createElement("canvas");
   readonly lines = document.createElement("canvas");
-  state: "loading" | "ready" | "sharp" = "loading";
   private readonly sets = new SetTable();
   private readonly palette = new Palette(this.sets);
   private readonly source: PlaneSource;
   private readonly picture_canvas = document.createElement("canvas");
   private readonly stops: (() => void)[] = [];
   private picture: PlanePicture | null = null;
+  private sharp_query = ""; // of the picture, where all of it has come
+  private told: PlaneState = { waiting: true, damaged: false, trouble: "" };
   private painted = -1; // the palette's version in picture_canvas; -1: anew
   private ink: Ink | null = null;
   private width = 0; // CSS pixels
@@ -43,7 +50,7 @@ export class PlaneView {
   constructor(
     private readonly viewer: Viewer,
     private readonly host: HTMLElement,
-    says: (state: { waiting: boolean; damaged: boolean; trouble: string }) => void,
+    private readonly says: (state: PlaneState) => void,
   ) {
     this.cells.className = "view-cells";
     this.lines.className = "view-overlay";
@@ -52,11 +59,11 @@ export class PlaneView {
       shows: (picture, sharp) => {
         this.picture = picture;
         this.painted = -1;
-        this.state = sharp ? "sharp" : "ready";
-        says({ waiting: !sharp, damaged: picture.damaged.length > 0, trouble: "" });
+        this.sharp_query = sharp ? plane_query(picture.aim) : "";
+        this.tell({ ...this.told, damaged: picture.damaged.length > 0, trouble: "" });
         this.invalidate();
       },
-      failed: (error) => says({ waiting: false, damaged: false, trouble: words_of(error) }),
+      failed: (error) => this.tell({ waiting: false, damaged: false, trouble: words_of(error) }),
     });
     const sizes = new ResizeObserver(() => {
       this.width = host.clientWidth;
@@ -92,6 +99,7 @@ export class PlaneView {
   }
 
   again(): void {
+    this.tell({ ...this.told, waiting: true, trouble: "" });
     this.source.again();
   }
 
@@ -105,7 +113,7 @@ export class PlaneView {
   // The labels that the picture has there; null where it has none of this plane yet.
   labels_at(x: number, y: number): readonly number[] | null {
     const { picture } = this;
-    if (!picture || this.state !== "sharp") return null;
+    if (!picture || this.told.waiting) return null;
     const scale = picture.aim.width / this.width;
     const number = picture.numbers[Math.floor(y * scale) * picture.aim.width + Math.floor(x * scale)];
     return number === undefined ? null : this.sets.members(number);
@@ -135,6 +143,12 @@ export class PlaneView {
     this.invalidate();
   }
 
+  private tell(state: PlaneState): void {
+    const { waiting, damaged, trouble } = this.told;
+    this.told = state;
+    if (waiting !== state.waiting || damaged !== state.damaged || trouble !== state.trouble) this.says(state);
+  }
+
   private invalidate(): void {
     this.request ||= requestAnimationFrame(() => {
       this.request = 0;
@@ -159,6 +173,7 @@ export class PlaneView {
       if (canvas.width !== aim.width || canvas.height !== aim.height) [canvas.width, canvas.height] = [aim.width, aim.height];
     this.paint();
     this.draw_picture(aim);
+    if (!this.told.trouble) this.tell({ ...this.told, waiting: this.sharp_query !== plane_query(aim) });
     this.draw_lines(aim, ratio);
   }
 

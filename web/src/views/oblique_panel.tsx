@@ -5,7 +5,7 @@ import { coordinate } from "../base/format";
 import { AXES, AXIS_NAMES, type AxisIndex } from "../base/grid";
 import { say } from "../base/messages";
 import { type Angles, type Vec3, angles_of, normal_of, normal_through, steepest, turned } from "../oblique/frame";
-import { PlaneView, frame_in } from "../oblique/plane_view";
+import { type PlaneState, PlaneView, frame_in } from "../oblique/plane_view";
 import type { Viewer } from "../state/viewer";
 import { toggle_layout } from "./actions";
 import { MaximiseButton } from "./maximise_button";
@@ -140,7 +140,7 @@ function keys_of(body: HTMLElement, view: PlaneView, viewer: Viewer, angles: Sig
 export function ObliquePanel({ stage, viewer, axis }: { stage: Stage; viewer: Viewer; axis: AxisIndex }) {
   const body = useRef<HTMLDivElement>(null);
   const view = useRef<PlaneView | null>(null);
-  const state = useSignal({ waiting: true, damaged: false, trouble: "" });
+  const state = useSignal<PlaneState>({ waiting: true, damaged: false, trouble: "" });
   const angles = useSignal(angles_of(frame_in(viewer).normal));
   const points = use_three_points(viewer, angles);
   const frame = frame_in(viewer);
