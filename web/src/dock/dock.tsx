@@ -71,7 +71,7 @@ export function Dock({ viewer }: { viewer: Viewer }) {
   return (
     <aside class="dock" aria-label="Read-out">
       <Pointer viewer={viewer} />
-      <section class={`dock-part ${pinned ? "is-pinned" : ""}`} aria-label={pinned ? "Pinned cell" : "Crosshair"}>
+      <section class={`dock-part dock-cell ${pinned ? "is-pinned" : ""}`} aria-label={pinned ? "Pinned cell" : "Crosshair"}>
         <h2>
           <span class="dock-name">{pinned ? "Pinned" : "Crosshair"}</span>
           <span class="dock-actions">
