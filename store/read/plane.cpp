@@ -52,14 +52,16 @@ class PlaneReader {
     std::vector<PixelStretch> stretches = stretches_of(i0, i1, j0, j1);
     std::ranges::sort(stretches, {}, [](const PixelStretch& s) { return std::tuple(s.chunk, s.j, s.from); });
     std::vector<std::shared_ptr<Chunk>> scratch(static_cast<size_t>(std::max(threads_, 1)));
-    auto next = stretches.begin();
+    std::span<const PixelStretch> left = stretches;
     in_order(
         threads_,
         [&]() -> std::optional<std::span<const PixelStretch>> {
-          if (next == stretches.end()) return std::nullopt;
-          const auto first = next;
-          next = std::find_if(first, stretches.end(), [&](const PixelStretch& s) { return s.chunk != first->chunk; });
-          return std::span<const PixelStretch>(first, next);
+          if (left.empty()) return std::nullopt;
+          size_t n = 1;
+          while (n < left.size() && left[n].chunk == left[0].chunk) ++n;
+          const auto of_chunk = left.first(n);
+          left = left.subspan(n);
+          return of_chunk;
         },
         [&](std::span<const PixelStretch> of_chunk, int worker) {
           Wanted::stop_if_not();

@@ -370,7 +370,7 @@ test("on a touch screen a long press recentres, unless the finger moves or a sec
 });
 
 test("a ruler's labels interrupt the crosshair's lines", async () => {
-  const page = await open("stadium");
+  const page = await open("stadium", "&at=300,240,60");
   const same_as_line = await page.evaluate(() => {
     const overlay = document.querySelector('[data-view="z"] .view-overlay');
     const { centre, zoom, cell, axes } = teracell.viewer;
