@@ -1,6 +1,7 @@
 #include "server/api/answer.hpp"
 
 #include <algorithm>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -64,6 +65,18 @@ PixelWindow window_of(const Target& target, int64_t width, int64_t height) {
     throw bad_request(
         fmt::format("window: expected X0,Y0,X1,Y1, a part of 0,0,{},{} (half open, not empty), found '{}'", width, height, text->substr(0, 48)));
   return {c[0], c[1], c[2], c[3]};
+}
+
+double pixels_asked_for(const Target& target) {
+  const std::string *window = target.find("window"), *size = target.find("size");
+  if (window) {
+    const auto n = integers(*window, 4, "window");
+    // The differences of any whole numbers fit into doubles, not into integers.
+    return (static_cast<double>(n[2]) - static_cast<double>(n[0])) * (static_cast<double>(n[3]) - static_cast<double>(n[1]));
+  }
+  if (!size) return std::numeric_limits<double>::infinity();
+  const auto n = integers(*size, 2, "size");
+  return static_cast<double>(n[0]) * static_cast<double>(n[1]);
 }
 
 Box region_of(const GridRequest& r) {

@@ -54,14 +54,8 @@ Response answer_plane(const GridRequest& r) {
        }});
 }
 
-// A part as large as a tile of a slice costs little more than one.
-Cost cost_of_plane(const Target& target) {
-  const std::string* const window = target.find("window");
-  if (!window) return Cost::kDear;
-  const auto n = integers(*window, 4, "window");
-  const double pixels = (static_cast<double>(n[2]) - static_cast<double>(n[0])) * (static_cast<double>(n[3]) - static_cast<double>(n[1]));
-  return pixels <= kTilePixels * kTilePixels ? Cost::kSeen : Cost::kDear;
-}
+// What is as small as a tile of a slice costs little more than one.
+Cost cost_of_plane(const Target& target) { return pixels_asked_for(target) <= kTilePixels * kTilePixels ? Cost::kSeen : Cost::kDear; }
 
 }  // namespace
 

@@ -105,19 +105,6 @@ Response answer_view_json(const GridRequest& r) {
   return r.answer({.route = "view_json", .content_type = kJsonType, .make = make});
 }
 
-// Of the picture or the part of it that "view.bin" is asked for, as far as the target says; the answer refuses what makes no sense.
-double pixels_asked_for(const Target& target) {
-  const std::string *window = target.find("window"), *size = target.find("size");
-  if (window) {
-    const auto n = integers(*window, 4, "window");
-    // The differences of any whole numbers fit into doubles, not into integers.
-    return (static_cast<double>(n[2]) - static_cast<double>(n[0])) * (static_cast<double>(n[3]) - static_cast<double>(n[1]));
-  }
-  if (!size) return kMostSeenPixels + 1;
-  const auto n = integers(*size, 2, "size");
-  return static_cast<double>(n[0]) * static_cast<double>(n[1]);
-}
-
 Cost cost_of_numbers(const Target& target) { return pixels_asked_for(target) <= kMostSeenPixels ? Cost::kSeen : Cost::kDear; }
 
 }  // namespace

@@ -159,8 +159,8 @@ class Stadium(Case):
             self.assertGreater(inside, 1000)
         self.refused(2, ["--axis, --plane", "both"], "slice", self.grid, "--axis", "z", "--index", 3, "--plane", "0,0,1,3", "-o", "p.png")
         self.refused(2, ["--axis, --plane", "neither"], "slice", self.grid, "--index", 3, "-o", "p.png")
-        self.refused(2, ["--region", "without --plane"], "slice", self.grid, "--plane", "0,0,1,3", "--region", "0,0,1,1", "-o", "p.png")
-        self.refused(2, ["--centre", "with --plane"], "slice", self.grid, "--axis", "z", "--index", 3, "--centre", "0,0,0", "-o", "p.png")
+        self.refused(2, ["--region: expected a slice across an axis, found --plane"], "slice", self.grid, "--plane", "0,0,1,3", "--region", "0,0,1,1", "-o", "p.png")
+        self.refused(2, ["--centre: expected --plane too"], "slice", self.grid, "--axis", "z", "--index", 3, "--centre", "0,0,0", "-o", "p.png")
 
     def test_columns_are_rows_of_the_export(self):
         nz, ny, nx = self.shape

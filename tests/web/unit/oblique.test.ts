@@ -3,7 +3,6 @@ import assert from "node:assert/strict";
 import test from "node:test";
 import { Axis } from "@page/base/axis";
 import { SLICE_NORMALS, type Vec3, angles_of, dot, normal_of, normal_through, onto, outline_of, plane_frame, plus, steepest, turned } from "@page/oblique/frame";
-import { parts_of } from "@page/oblique/plane_source";
 import { random_of } from "./random";
 
 const random = random_of(9);
@@ -65,12 +64,4 @@ test("the outline is where the plane meets the edges of the domain, in order aro
 
 test("a step of the wheel goes along the axis that moves the plane most", () => {
   assert.equal(steepest([0.1, -0.9, 0.3]), 1);
-});
-
-test("parts cover a picture once, the middle first", () => {
-  const parts = parts_of(1300, 700);
-  const hit = new Uint8Array(1300 * 700);
-  for (const { x0, y0, x1, y1 } of parts) for (let y = y0; y < y1; ++y) for (let x = x0; x < x1; ++x) ++hit[y * 1300 + x]!;
-  assert.ok(hit.every((n) => n === 1));
-  assert.ok(parts[0]!.x0 <= 650 && parts[0]!.x1 >= 650);
 });

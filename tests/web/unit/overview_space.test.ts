@@ -8,7 +8,7 @@ import {
 import { edge_depths, labelled_edges } from "@page/overview/space/edges";
 import { make_ladder } from "@page/overview/quality";
 import { round_length } from "@page/base/lengths";
-import { parts_of } from "@page/overview/sight_query";
+import { parts_of } from "@page/base/picture_parts";
 import { type Vec3, from_space, shortest_side, space_of, to_space } from "@page/overview/space/space";
 
 const graded = new Axis({ type: "graded", planes: [0, 1, 2, 4, 8, 16] }, 0.5);
@@ -117,7 +117,7 @@ test("turning around what is seen leaves the picture as it is", () => {
 
 test("the parts of a sharp picture cover each pixel once, from the middle outwards", () => {
   for (const [width, height] of [[1400, 900], [300, 200], [385, 1], [2800, 1800]] as const) {
-    const parts = parts_of(width, height);
+    const parts = parts_of(width, height, 384);
     const seen = new Uint8Array(width * height);
     for (const { x0, y0, x1, y1 } of parts) for (let y = y0; y < y1; ++y) for (let x = x0; x < x1; ++x) ++seen[y * width + x]!;
     assert.ok(seen.every((n) => n === 1));

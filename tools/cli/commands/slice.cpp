@@ -172,10 +172,10 @@ void write_plane_npy(const GridReader& reader, const PlaneView& view, int thread
 void check_options(const SliceArguments& o) {
   const bool is_plane = o.plane.contains("plane");
   if (is_plane != o.axis.empty()) throw UsageError(fmt::format("--axis, --plane: expected one of them, found {}", is_plane ? "both" : "neither"));
-  const auto refuse = [&](bool given, const char* option) {
+  const auto refuse = [&](bool given, std::string option) {
     if (given)
-      throw UsageError(
-          fmt::format("{}: expected {} --plane, found it {} it", option, is_plane ? "it without" : "it with", is_plane ? "with" : "without"));
+      throw UsageError(option +
+                       (is_plane ? ": expected a slice across an axis, found --plane" : ": expected --plane too, found a slice across an axis"));
   };
   if (is_plane) {
     refuse(o.index.has_value(), "--index");
@@ -184,7 +184,7 @@ void check_options(const SliceArguments& o) {
     refuse(o.refine.has_value(), "--refine");
     refuse(o.to_scale, "--true");
   } else {
-    for (const char* name : {"size", "centre", "pixel"}) refuse(o.plane.contains(name), fmt::format("--{}", name).c_str());
+    for (const char* name : {"size", "centre", "pixel"}) refuse(o.plane.contains(name), fmt::format("--{}", name));
   }
 }
 

@@ -1,11 +1,12 @@
 // The view in three dimensions as the subject of a figure: what the page shows, in any size.
+import { type Part, parts_of } from "../base/picture_parts";
 import { get_patiently } from "../server/api";
 import type { Viewer } from "../state/viewer";
 import type { Rgb } from "../tiles/sets";
 import { reach } from "../overview/space/camera";
 import { type Colored, compose } from "../overview/compose";
 import { layers_of, palette_of } from "../overview/layers";
-import { type Part, camera_query, cut_of, fetch_layers, parts_of, sight_of } from "../overview/sight_query";
+import { PART, camera_query, cut_of, fetch_layers, sight_of } from "../overview/sight_query";
 import { space_of } from "../overview/space/space";
 import { Viewpoint } from "../overview/space/viewpoint";
 import type { FigureOptions } from "./options";
@@ -82,7 +83,7 @@ export async function space_subject(viewer: Viewer, options: FigureOptions, grou
       const labels = new Set<number>();
       const picture = new OffscreenCanvas(image.width, image.height);
       const context = picture.getContext("2d")!;
-      for (const p of parts_of(image.width, image.height)) {
+      for (const p of parts_of(image.width, image.height, PART)) {
         const came = await fetch_part(viewer, width, height, { x0: x0 + p.x0, y0: y0 + p.y0, x1: x0 + p.x1, y1: y0 + p.y1 }, abort);
         for (const label of came.label) if (label > 0) labels.add(label - 1);
         context.putImageData(laid_over(came, ground), p.x0, p.y0);

@@ -1,6 +1,7 @@
 // Asks the server for the cells that a plane meets: a coarse picture at once, one at a time, while the plane moves; the sharp one part by part when it
 // rests. What is not wanted any more is called off.
 import type { GridAddress } from "../base/grid";
+import { type Part, parts_of } from "../base/picture_parts";
 import { ServerError, get } from "../server/api";
 import { OUTSIDE, type SetTable, UNKNOWN } from "../tiles/sets";
 import { decode_sets } from "../tiles/tile";
@@ -25,13 +26,6 @@ export interface PlanePicture {
   readonly damaged: readonly Part[]; // parts that can't be read
 }
 
-export interface Part {
-  readonly x0: number;
-  readonly y0: number;
-  readonly x1: number;
-  readonly y1: number;
-}
-
 export interface PlaneEvents {
   shows(picture: PlanePicture, sharp: boolean): void;
   failed(error: unknown): void;
@@ -39,17 +33,6 @@ export interface PlaneEvents {
 
 export function plane_query({ frame, middle, pixel, width, height }: PlaneAim): string {
   return `plane=${[...frame.normal, dot(frame.normal, frame.through)].join(",")}&centre=${middle.join(",")}&pixel=${pixel}&size=${width},${height}`;
-}
-
-// From the middle outwards.
-export function parts_of(width: number, height: number): Part[] {
-  const cuts = (length: number) => {
-    const count = Math.ceil(length / PART);
-    return Array.from({ length: count }, (_, i) => [Math.round((i * length) / count), Math.round(((i + 1) * length) / count)] as const);
-  };
-  const parts = cuts(height).flatMap(([y0, y1]) => cuts(width).map(([x0, x1]) => ({ x0, y0, x1, y1 })));
-  const off = ({ x0, y0, x1, y1 }: Part) => Math.hypot(x0 + x1 - width, y0 + y1 - height);
-  return parts.sort((a, b) => off(a) - off(b));
 }
 
 const is_damage = (error: unknown): boolean => error instanceof ServerError && error.status === 500;
@@ -132,7 +115,7 @@ export class PlaneSource {
     this.sharp_key = key;
     const numbers = new Uint32Array(aim.width * aim.height).fill(UNKNOWN);
     const damaged: Part[] = [];
-    const waiting = parts_of(aim.width, aim.height);
+    const waiting = parts_of(aim.width, aim.height, PART);
     const take = async () => {
       for (let part = waiting.shift(); part; part = waiting.shift()) {
         try {

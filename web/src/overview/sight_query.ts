@@ -24,28 +24,7 @@ export function cut_of(viewer: Viewer): string {
   return "";
 }
 
-export interface Part {
-  readonly x0: number;
-  readonly y0: number;
-  readonly x1: number;
-  readonly y1: number;
-}
-
-const PART = 384; // pixels along a side
-
-// The parts of a picture, from the middle outwards.
-export function parts_of(width: number, height: number): Part[] {
-  const parts: Part[] = [];
-  const cuts = (length: number) => {
-    const count = Math.ceil(length / PART);
-    return Array.from({ length: count + 1 }, (_, i) => Math.round((i * length) / count));
-  };
-  const [columns, rows] = [cuts(width), cuts(height)];
-  for (let j = 0; j + 1 < rows.length; ++j)
-    for (let i = 0; i + 1 < columns.length; ++i) parts.push({ x0: columns[i]!, y0: rows[j]!, x1: columns[i + 1]!, y1: rows[j + 1]! });
-  const off = ({ x0, y0, x1, y1 }: Part) => Math.hypot(x0 + x1 - width, y0 + y1 - height);
-  return parts.sort((a, b) => off(a) - off(b));
-}
+export const PART = 384; // pixels along a side of what is asked for at once
 
 type Get = (address: string) => Promise<Response>;
 

@@ -2,6 +2,7 @@
 // moves, one at a time. Once everything rests, the sharp picture follows, part by part from the middle outwards. What is
 // not wanted any more is called off.
 import type { Viewer } from "../state/viewer";
+import { type Part, parts_of } from "../base/picture_parts";
 import { ranges } from "../base/ranges";
 import { get } from "../server/api";
 import type { Orbit } from "./space/camera";
@@ -9,7 +10,7 @@ import { type Palette, compose } from "./compose";
 import { type Frame, empty_frame, put_part } from "./frame";
 import { layers_of, palette_of } from "./layers";
 import type { Sights } from "./sights";
-import { type Part, camera_query, fetch_layers, parts_of, sight_of } from "./sight_query";
+import { PART, camera_query, fetch_layers, sight_of } from "./sight_query";
 import type { Space } from "./space/space";
 
 const QUICK_TIME = 90; // milliseconds that a quick picture may take to come
@@ -143,7 +144,7 @@ export class SightSource {
     const [width, height] = SightSource.size(aim.width, aim.height);
     const sharp: NonNullable<typeof this.kept.sharp> = { frame: empty_frame(aim.orbit, width, height), parts: [], whole: false };
     this.kept.sharp = sharp;
-    const waiting = parts_of(width, height);
+    const waiting = parts_of(width, height, PART);
     const query = `${camera_query(this.space, aim.orbit, width, height)}${aim.cut}`;
     const take = async () => {
       for (let part = waiting.shift(); part; part = waiting.shift()) {

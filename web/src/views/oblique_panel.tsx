@@ -166,6 +166,9 @@ export function ObliquePanel({ stage, viewer, axis }: { stage: Stage; viewer: Vi
     const title = name === "azimuth" ? "Azimuth: how far the plane's normal is turned round z, from x" : "Elevation: how far the plane's normal is above the plane of x and y";
     return (
       <>
+        <span class="oblique-name" aria-hidden="true">
+          {name}
+        </span>
         <input type="range" aria-label={title} title={title} min={-most} max={most} step={0.5} value={degrees} aria-valuetext={`${degrees}°`} onInput={(e) => turn(name, e.currentTarget.valueAsNumber)} />
         <NumberBox label={`${title}, in degrees`} text={String(degrees)} width={6} suffix="°" take={(to) => turn(name, to)} />
       </>
