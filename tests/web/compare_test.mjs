@@ -33,7 +33,7 @@ async function names_at(page, side, dx, dy) {
 }
 
 test("the button compares with a grid of as many cells; the address says so, and the views come back as they were", async () => {
-  const page = await open("g=before");
+  const page = await open("g=before&at=100,60,20");
   await page.getByRole("button", { name: "Compare", exact: true }).click();
   await settled(page);
   assert.equal(await page.getByLabel("Compare with").inputValue(), "after");
