@@ -14,7 +14,7 @@
 namespace teracell::inline store {
 namespace {
 
-constexpr int64_t kBlock = 1024;   // pixels along a side
+constexpr int64_t kPatch = 1024;   // pixels along a side
 constexpr int64_t kFetched = 256;  // pixels along a side of what is made ready at once: a box of cells around them, which is mostly empty
 constexpr int64_t kRowsOfJob = 16;
 
@@ -174,13 +174,13 @@ void for_each_plane_row(const GridReader& reader, const PlaneView& view, const S
                         const RowSink& row, int64_t held) {
   reader.meta().grid.check_level(view.level);
   PlaneReader plane(reader, view, value, outside, threads);
-  const int64_t width = view.i1 - view.i0, most = std::max<int64_t>(1, std::min(held / width, kBlock));
+  const int64_t width = view.i1 - view.i0, most = std::max<int64_t>(1, std::min(held / width, kPatch));
   std::vector<uint16_t> pixels;
   for (int64_t done = 0; done < view.j1 - view.j0;) {
     const int64_t rows = std::min(most, view.j1 - view.j0 - done);
     const int64_t j0 = top_down ? view.j1 - done - rows : view.j0 + done;
     pixels.resize(static_cast<size_t>(rows * width));
-    for (int64_t i = view.i0; i < view.i1; i += kBlock) plane.read(i, std::min(i + kBlock, view.i1), j0, j0 + rows, pixels.data());
+    for (int64_t i = view.i0; i < view.i1; i += kPatch) plane.read(i, std::min(i + kPatch, view.i1), j0, j0 + rows, pixels.data());
     for (int64_t n = 0; n < rows; ++n) {
       const int64_t j = top_down ? j0 + rows - 1 - n : j0 + n;
       row(j, std::span(pixels).subspan(static_cast<size_t>((j - j0) * width), static_cast<size_t>(width)));

@@ -172,19 +172,19 @@ void write_plane_npy(const GridReader& reader, const PlaneView& view, int thread
 void check_options(const SliceArguments& o) {
   const bool is_plane = o.plane.contains("plane");
   if (is_plane != o.axis.empty()) throw UsageError(fmt::format("--axis, --plane: expected one of them, found {}", is_plane ? "both" : "neither"));
-  const auto refuse = [&](bool given, std::string option) {
+  const auto refuse = [&](bool given, std::string_view option) {
     if (given)
-      throw UsageError(option +
-                       (is_plane ? ": expected a slice across an axis, found --plane" : ": expected --plane too, found a slice across an axis"));
+      throw UsageError(
+          fmt::format("--{}: expected {}", option, is_plane ? "a slice across an axis, found --plane" : "--plane too, found a slice across an axis"));
   };
   if (is_plane) {
-    refuse(o.index.has_value(), "--index");
-    refuse(o.at.has_value(), "--at");
-    refuse(!o.region.empty(), "--region");
-    refuse(o.refine.has_value(), "--refine");
-    refuse(o.to_scale, "--true");
+    refuse(o.index.has_value(), "index");
+    refuse(o.at.has_value(), "at");
+    refuse(!o.region.empty(), "region");
+    refuse(o.refine.has_value(), "refine");
+    refuse(o.to_scale, "true");
   } else {
-    for (const char* name : {"size", "centre", "pixel"}) refuse(o.plane.contains(name), fmt::format("--{}", name));
+    for (const char* name : {"size", "centre", "pixel"}) refuse(o.plane.contains(name), name);
   }
 }
 
