@@ -78,7 +78,7 @@ void for_each_loop(Graph& graph, F&& f) {
 }
 
 double area(const Vec3& a, const Vec3& b, const Vec3& c) {
-  const Vec3 p = minus(b, a), q = minus(c, a);
+  const Vec3 p = b - a, q = c - a;
   return length({p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]}) / 2;
 }
 

@@ -2,15 +2,12 @@
 // Unlike std::hypot, they are the same on every machine.
 #pragma once
 #include <algorithm>
-#include <cmath>
 
-#include "store/grid/grid.hpp"
+#include "store/grid/vec3.hpp"
 
 namespace teracell::mesher {
 
-inline double length(const Vec3& d) { return std::sqrt((d[0] * d[0] + d[1] * d[1]) + d[2] * d[2]); }
-inline Vec3 minus(const Vec3& a, const Vec3& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
-inline double distance(const Vec3& a, const Vec3& b) { return length(minus(a, b)); }
+inline double distance(const Vec3& a, const Vec3& b) { return length(a - b); }
 
 // Makes the box [lo, hi] reach the point.
 inline void extend(Vec3& lo, Vec3& hi, const Vec3& p) {

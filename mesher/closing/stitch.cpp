@@ -15,8 +15,6 @@
 namespace teracell::mesher {
 namespace {
 
-double dot(const Vec3& a, const Vec3& b) { return (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]; }
-
 // How often a shell uses the edge lo - hi: `net` uses more from lo to hi than back. Vertices are numbered in ascending order.
 struct Pair {
   uint32_t lo, hi, shell;
@@ -130,12 +128,12 @@ class Stitcher {
     uint64_t between = 0;
     for (const Pair& p : pairs) {
       if (between_.contains(p.edge())) continue;
-      const Vec3 &a = vertices_[p.lo], &b = vertices_[p.hi], e = minus(b, a);
+      const Vec3 &a = vertices_[p.lo], &b = vertices_[p.hi], e = b - a;
       const double square = dot(e, e);
       std::vector<std::pair<double, uint32_t>> found;
       tree.near(a, b, stitch_, [&](uint32_t i) {
         const uint32_t v = numbers[i];
-        const double t = dot(minus(vertices_[v], a), e) / square;
+        const double t = dot(vertices_[v] - a, e) / square;
         if (v == p.lo || v == p.hi || !(t > 0 && t < 1)) return;
         const Vec3 foot = {a[0] + t * e[0], a[1] + t * e[1], a[2] + t * e[2]};
         if (const double away = distance(vertices_[v], foot); away <= stitch_) {

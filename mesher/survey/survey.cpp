@@ -30,7 +30,7 @@ class Measure {
       extend(lo_, hi_, v);
       for (size_t d = 0; d < 3; ++d) v[d] -= origin_[d];  // volumes of small parts far from 0 keep their digits
     }
-    const Vec3 n = cross(minus(p[1], p[0]), minus(p[2], p[0]));
+    const Vec3 n = cross(p[1] - p[0], p[2] - p[0]);
     area_ += std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]) / 2;
     const Vec3 m = cross(p[1], p[2]);
     volume_ += (p[0][0] * m[0] + p[0][1] * m[1] + p[0][2] * m[2]) / 6;
@@ -44,8 +44,6 @@ class Measure {
   }
 
  private:
-  static Vec3 minus(const Vec3& a, const Vec3& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
-  static Vec3 cross(const Vec3& a, const Vec3& b) { return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]}; }
   Vec3 origin_{}, lo_ = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, hi_ = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
   uint64_t facets_ = 0;
   BoundaryProof boundary_;

@@ -11,6 +11,7 @@
   answer(kCellAnswer) \
   answer(kColumnAnswer) \
   answer(kLineAnswer) \
+  answer(kThicknessAnswer) \
   answer(kBoxAnswer) \
   answer(kFileAnswer) \
   answer(kStatsAnswer) \

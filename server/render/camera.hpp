@@ -2,7 +2,7 @@
 #pragma once
 #include <cstdint>
 
-#include "store/grid/grid.hpp"
+#include "store/grid/vec3.hpp"
 
 namespace teracell::server {
 
@@ -42,11 +42,6 @@ DefaultView default_view(const Grid& grid, const Box& cells);
 // is along z.
 Camera axis_camera(const Grid& grid, int axis, bool positive, PictureSize size);
 
-inline Vec3 operator+(const Vec3& a, const Vec3& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
-inline Vec3 operator-(const Vec3& a, const Vec3& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
-inline Vec3 operator*(const Vec3& a, double s) { return {a[0] * s, a[1] * s, a[2] * s}; }
-inline double dot(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-inline Vec3 cross(const Vec3& a, const Vec3& b) { return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]}; }
 // (0, 0, 0) stays as it is.
 Vec3 normalised(const Vec3& a);
 

@@ -110,12 +110,13 @@ for (const path of grids)
       if (mixed) await same(files, `${api}/tile/${place}.bin?sets=1&shares=1`);
       if (small && i % 3 === 0) await same(files, `${api}/leaves/${place}.bin?refine=${random(6)},${1 + random(3)}`);
       const at = n.map((cells) => random(cells));
-      await same(files, `${api}/cell?i=${at[0]}&j=${at[1]}&k=${at[2]}`);
+      const cell = JSON.parse(new TextDecoder().decode((await same(files, `${api}/cell?i=${at[0]}&j=${at[1]}&k=${at[2]}`)).body));
       await same(files, `${api}/column/${"xyz"[axis]}/${at[u]}_${at[v]}`);
       const to = n.map((cells, d) => at[d] + 1 + random(Math.min(cells - at[d], 90)));
       await same(files, `${api}/stats?region=${[...at, ...to].join(",")}`);
       if (i % 4 === 0) await same(files, `${api}/box.${["npy", "vtr"][random(2)]}?region=${[...at, ...to].join(",")}`);
       const line = [random(100) / 100, random(100) / 100, random(100) / 100].map((t, d) => info.grid.min[d] + t * (info.grid.max[d] - info.grid.min[d]));
+      await same(files, `${api}/thickness?cell=${at.join(",")}&at=${cell.centre.join(",")}`);
       await same(files, `${api}/line?from=${info.grid.min.join(",")}&to=${line.join(",")}`);
     }
     await same(files, `${api}/stats`);

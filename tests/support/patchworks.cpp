@@ -1,5 +1,7 @@
 #include "tests/support/patchworks.hpp"
 
+#include "store/grid/vec3.hpp"
+
 namespace teracell::patchworks {
 namespace {
 
@@ -7,13 +9,11 @@ using testing::random_in;
 using testing::random_int;
 using Edge = std::pair<Vec3, Vec3>;  // directed
 
-Vec3 along(const Vec3& a, const Vec3& b, double t) { return {a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1]), a[2] + t * (b[2] - a[2])}; }
-Vec3 plus(const Vec3& a, const Vec3& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
-double dot(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-double distance(const Vec3& a, const Vec3& b) { return std::sqrt(std::pow(a[0] - b[0], 2) + std::pow(a[1] - b[1], 2) + std::pow(a[2] - b[2], 2)); }
+Vec3 along(const Vec3& a, const Vec3& b, double t) { return a + (b - a) * t; }
+double distance(const Vec3& a, const Vec3& b) { return length(a - b); }
 
 double distance_from_edge(const Vec3& p, const Vec3& a, const Vec3& b) {
-  const Vec3 e = {b[0] - a[0], b[1] - a[1], b[2] - a[2]}, d = {p[0] - a[0], p[1] - a[1], p[2] - a[2]};
+  const Vec3 e = b - a, d = p - a;
   return distance(p, along(a, b, std::clamp(dot(d, e) / dot(e, e), 0.0, 1.0)));
 }
 
@@ -42,7 +42,7 @@ Patches cube_sphere(const Vec3& centre, double radius, int n) {
   // The same integers on the cube give the same bits, whichever face they are on.
   const auto point = [&](const Vec3& cube) {
     const double scale = radius / std::sqrt(dot(cube, cube));
-    return plus(centre, {cube[0] * scale, cube[1] * scale, cube[2] * scale});
+    return centre + cube * scale;
   };
   Patches patches;
   for (int axis = 0; axis < 3; ++axis)
@@ -98,7 +98,7 @@ Patches cut_by_planes(const Facets& facets, std::mt19937_64& random, int planes)
       for (int d = 0; d < 3; ++d) lo[d] = std::min(lo[d], v[d]), hi[d] = std::max(hi[d], v[d]);
   std::map<uint32_t, Facets> by_side;
   std::vector<std::pair<Vec3, Vec3>> cuts;  // a point, the normal
-  for (int i = 0; i < planes; ++i) cuts.push_back({plus(along(lo, hi, 0.5), in_ball(random, distance(lo, hi) / 8)), in_ball(random, 1)});
+  for (int i = 0; i < planes; ++i) cuts.push_back({along(lo, hi, 0.5) + in_ball(random, distance(lo, hi) / 8), in_ball(random, 1)});
   for (const mesher::Facet& f : facets) {
     uint32_t side = 0;
     for (const auto& [p, n] : cuts) side = 2 * side + (dot(n, middle(f)) > dot(n, p));
@@ -111,7 +111,7 @@ Patches cut_by_planes(const Facets& facets, std::mt19937_64& random, int planes)
 
 Facets moved(Facets patch, std::mt19937_64& random, double by) {
   std::map<Vec3, Vec3> to;
-  for (const auto& [a, b] : seam_of(patch)) to.try_emplace(a, plus(a, in_ball(random, by)));
+  for (const auto& [a, b] : seam_of(patch)) to.try_emplace(a, a + in_ball(random, by));
   for (mesher::Facet& f : patch)
     for (Vec3& v : f.vertex)
       if (const auto it = to.find(v); it != to.end()) v = it->second;
@@ -127,7 +127,7 @@ Facets split(const Facets& patch, std::mt19937_64& random, double share, double 
       const Vec3 &a = f.vertex[i], &b = f.vertex[(i + 1) % 3];
       polygon.push_back(a);
       if (!seam.contains({a, b}) || random_in(random, 0, 1) >= share) continue;
-      for (int k = 1; k <= points; ++k) polygon.push_back(plus(along(a, b, static_cast<double>(k) / (points + 1)), in_ball(random, off)));
+      for (int k = 1; k <= points; ++k) polygon.push_back(along(a, b, static_cast<double>(k) / (points + 1)) + in_ball(random, off));
     }
     for (size_t i = 1; i + 1 < polygon.size(); ++i) out.push_back({{polygon[0], polygon[i], polygon[i + 1]}});
   }

@@ -1,10 +1,10 @@
-// Measuring snaps to boundaries and says what lies between; thickness at a click; boxes with handles are taken out as files.
+// Measuring snaps to boundaries and says what lies between, in slices and on surfaces; thickness at a click; boxes with handles are taken out as files.
 import assert from "node:assert/strict";
 import test from "node:test";
 import { execFileSync } from "node:child_process";
 import { readFileSync } from "node:fs";
 import { join } from "node:path";
-import { close, column_of, folder, grid_file, info_of, open_grid, point_of, screenshot, server_and_browser, settled, state, view } from "./support.mjs";
+import { close, column_of, folder, grid_file, info_of, open_grid, open_page, point_of, screenshot, server_and_browser, settled, state, view } from "./support.mjs";
 
 const { server, browser } = await server_and_browser();
 
@@ -83,6 +83,72 @@ test("shift and a click measure how thick the material is along each axis", asyn
   assert.ok(Math.abs(Math.hypot(...from.map((x, d) => x - to[d])) - shortest) < 1e-9);
   await page.keyboard.press("Escape");
   assert.equal(await state(page, "thickness"), null);
+  await close(page);
+});
+
+// A click in the overview, at shares of its width and height.
+async function click_in_space(page, [x, y], modifiers = []) {
+  const { left, top, width, height } = await page.locator(".overview > canvas").evaluate((e) => e.getBoundingClientRect().toJSON());
+  for (const key of modifiers) await page.keyboard.down(key);
+  await page.mouse.click(left + x * width, top + y * height);
+  for (const key of modifiers) await page.keyboard.up(key);
+}
+const lines = (page, count) => page.waitForFunction((n) => teracell.viewer.measures.value.length === n && !teracell.viewer.measuring.value, count);
+
+test("lines between surfaces are measured in 3D by clicks, and thickness along the normal; all are listed, named, kept in the link and removed", async () => {
+  const page = await open_page(browser, `${server.url}#g=graded&layout=3d&bodies=whole&panel=box&at=60,30,10`);
+  await page.waitForSelector('.overview[data-state="sharp"]');
+  const { grid } = info_of("graded");
+  const cell_of = (p) => p.map((x, d) => {
+    const axis = grid.axes[d];
+    const plane = (i) => (axis.type === "graded" ? axis.planes[i] : axis.min + (axis.first + i) * axis.step);
+    const cells = axis.type === "graded" ? axis.planes.length - 1 : axis.cells;
+    for (let i = 0; i < cells; ++i) if (x < plane(i + 1) || i === cells - 1) return i;
+  });
+  // On which axes a point lies on a boundary between materials, or where the grid ends.
+  const boundaries_at = (p) => [0, 1, 2].filter((d) => {
+    const { runs } = column_of("graded", "xyz"[d], cell_of(p).filter((_, e) => e !== d));
+    return runs.some(({ min, max }) => Math.min(Math.abs(min - p[d]), Math.abs(max - p[d])) < 1e-9 * 100);
+  });
+  await page.keyboard.press("m");
+  await page.getByText("Measuring: click a surface at each end of a line").waitFor();
+  await click_in_space(page, [0.45, 0.55]);
+  await page.getByText("Click a surface at the other end").waitFor();
+  await click_in_space(page, [0.55, 0.5]);
+  await lines(page, 1);
+  const { from, to, axis } = await state(page, "measure");
+  assert.equal(axis, null);
+  assert.notDeepEqual(from, to);
+  for (const end of [from, to]) assert.ok(boundaries_at(end).length > 0, `${end} lies on no surface`);
+  await click_in_space(page, [0.45, 0.55], ["Shift"]);
+  await lines(page, 2);
+  const thick = await state(page, "measure");
+  const way = thick.from.map((x, d) => thick.to[d] - x);
+  const along = way.findIndex((x) => Math.abs(x) > 0.99 * Math.hypot(...way));
+  assert.ok(along >= 0, `a side of a box is along an axis, found ${way}`);
+  const at = cell_of(thick.from.map((x, d) => (x + thick.to[d]) / 2));
+  const run = column_of("graded", "xyz"[along], at.filter((_, d) => d !== along)).runs.find(({ from, to }) => from <= at[along] && at[along] < to);
+  assert.equal(thick.name, `Thickness of ${run.name}`);
+  assert.ok(Math.abs(Math.hypot(...way) - (run.max - run.min)) < 1e-3 * (run.max - run.min), `${Math.hypot(...way)} instead of ${run.max - run.min}`);
+  const first = page.getByLabel("Name of line 1");
+  assert.equal(await first.inputValue(), "Line 1");
+  await first.fill("from side to side");
+  await first.press("Enter");
+  await page.waitForFunction(() => decodeURIComponent(decodeURIComponent(location.hash)).includes("from side to side"));
+  await screenshot(page, "measure_3d");
+  const measures = await state(page, "measures");
+  const again = await open_page(browser, page.url());
+  await again.waitForSelector(".overview-length");
+  assert.deepEqual(await state(again, "measures"), measures);
+  await close(again);
+  await page.getByRole("button", { name: "Remove from side to side" }).click();
+  assert.deepEqual((await state(page, "measures")).map(({ name }) => name), [thick.name]);
+  // Escape gives up a line that has no end yet, and what was there stays.
+  await page.keyboard.press("m");
+  await click_in_space(page, [0.45, 0.55]);
+  await page.waitForFunction(() => teracell.viewer.measuring.value);
+  await page.keyboard.press("Escape");
+  assert.deepEqual((await state(page, "measures")).map(({ name }) => name), [thick.name]);
   await close(page);
 });
 

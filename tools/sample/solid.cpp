@@ -7,6 +7,7 @@
 
 #include "mesher/scene/scene.hpp"
 #include "store/base/output_file.hpp"
+#include "store/grid/vec3.hpp"
 
 namespace teracell::sample {
 namespace {
@@ -26,11 +27,9 @@ Section polygon(const Vec3& centre, const Vec3& u, const Vec3& v, double radius,
   return section;
 }
 
-Vec3 cross(const Vec3& a, const Vec3& b) { return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]}; }
-
 Vec3 unit(const Vec3& a) {
-  const double length = std::sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
-  return {a[0] / length, a[1] / length, a[2] / length};
+  const double size = length(a);
+  return {a[0] / size, a[1] / size, a[2] / size};
 }
 
 void put_le(std::string& out, uint32_t word) {

@@ -3,7 +3,7 @@ import assert from "node:assert/strict";
 import test from "node:test";
 import type { GridInfo } from "@page/base/grid";
 import { Viewer } from "@page/state/viewer";
-import { choose_tool, mark_measure, step_crosshair } from "@page/views/actions";
+import { choose_tool, escape, mark_measure, step_crosshair } from "@page/views/actions";
 
 const cells = [100, 20, 7];
 const viewer = () =>
@@ -47,11 +47,26 @@ test("a line is measured by keys: it begins and ends where the crosshair is", ()
   mark_measure(v, 2);
   step_crosshair(v, 2, 3, 4);
   mark_measure(v, 2);
-  const line = { axis: 2, from: [50.5, 10.5, 3.5], to: [53.5, 14.5, 3.5] };
+  const line = { id: 1, name: "", axis: 2, from: [50.5, 10.5, 3.5], to: [53.5, 14.5, 3.5] };
   assert.deepEqual(v.measure.value, line);
   assert.equal(v.tool.value, "look");
   step_crosshair(v, 2, 1, 0);
   assert.deepEqual(v.measure.value, line, "a finished line stays");
+});
+
+test("Escape gives up a line that has no end yet, and removes one that has", () => {
+  const v = viewer();
+  choose_tool(v, "measure");
+  mark_measure(v, 2);
+  mark_measure(v, 2);
+  choose_tool(v, "measure");
+  mark_measure(v, 2);
+  assert.equal(v.measures.value.length, 2);
+  escape(v);
+  assert.deepEqual([v.measures.value.length, v.tool.value], [1, "look"]);
+  v.chosen.value = 1;
+  escape(v);
+  assert.deepEqual([v.measures.value, v.chosen.value], [[], null]);
 });
 
 test("a line that was given up is begun anew", () => {

@@ -2,6 +2,7 @@
 import assert from "node:assert/strict";
 import test from "node:test";
 import { Axis, FRAMES } from "@page/base/axis";
+import { type Measure, measures_csv } from "@page/state/measures";
 import type { Box } from "@page/state/viewer";
 import { type Handle, cells_between, cursor_of, dragged, handle_at, handles_of, nearest_plane } from "@page/views/drawing/box_handles";
 import { Camera } from "@page/views/drawing/camera";
@@ -48,6 +49,14 @@ test("the nearest plane is found on uniform and graded axes, also outside", () =
       const best = Math.min(...Array.from({ length: axis.cells + 1 }, (_, p) => Math.abs(axis.plane(p) - x)));
       assert.ok(Math.abs(axis.plane(i) - x) <= best + 1e-12, `${x}: plane ${i}`);
     }
+});
+
+test("measured lines as a table: names are quoted where they have to be, and those without one have a number", () => {
+  const line = (id: number, name: string): Measure => ({ id, name, axis: null, from: [1, 2, 3], to: [4, 6, 3] });
+  assert.equal(
+    measures_csv([line(4, ""), line(9, 'a "wide", one')], "mm"),
+    'name,length_mm,from_x,from_y,from_z,to_x,to_y,to_z,along_x,along_y,along_z\nLine 1,5,1,2,3,4,6,3,3,4,0\n"a ""wide"", one",5,1,2,3,4,6,3,3,4,0\n',
+  );
 });
 
 test("handles stand at corners, sides and the middle; a small box has those of its corners alone", () => {

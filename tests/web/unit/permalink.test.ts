@@ -4,6 +4,7 @@ import test from "node:test";
 import type { GridInfo } from "@page/base/grid";
 import { address_of, read_address } from "@page/state/permalink";
 import { places_found } from "@page/state/places";
+import { put_measure } from "@page/state/measures";
 import { Viewer } from "@page/state/viewer";
 
 const info = {
@@ -70,7 +71,8 @@ function changed(): Viewer {
   v.refinement.value = { coarsest: 5, layers: 3, want: "inside:steel=1,box:0,0,0,1,1,1=0" };
   v.box.value = [1, 2, 3, 4, 5, 6];
   v.pinned.value = [9, 8, 6];
-  v.measure.value = { axis: 1, from: [0.1, 0.2, 0.3], to: [1, 2, 3] };
+  put_measure(v, { id: 1, name: "", axis: 1, from: [0.1, 0.2, 0.3], to: [1, 2, 3] });
+  put_measure(v, { id: 2, name: "wide; or 50:50 %, ünlike", axis: null, from: [0.1, 0.2, 0.3], to: [-1e-9, 2, 3] });
   v.markers.value = places_found(info);
   v.isolated.value = { labels: [1], box: [1, 2, 3, 4, 5, 6] };
   v.sky.value = 1;
@@ -85,7 +87,7 @@ test("a changed state is read back completely, to the last bit of its numbers", 
   const before = changed();
   const after = read(address_of(before));
   for (const name of [
-    "cell", "centre", "zoom", "layout", "panel", "show_axes", "show_scale", "show_lines", "show_outline", "show_leaves", "refinement", "box", "pinned", "measure", "markers",
+    "cell", "centre", "zoom", "layout", "panel", "show_axes", "show_scale", "show_lines", "show_outline", "show_leaves", "refinement", "box", "pinned", "measures", "markers",
     "looks", "isolated", "sky",
   ] as const)
     assert.deepEqual(after[name].value, before[name].value, name);
@@ -121,6 +123,9 @@ test("nonsense is ignored, piece by piece", () => {
     "#pin=1,2",
     "#pin=1,2,3.5",
     "#measure=7,0,0,0,1,1,1",
+    "#measure=1,0,0,0,1,1",
+    "#measure=1,0,0,0,1,1,",
+    "#measure=;:;",
     "#only=",
     "#only=9",
     "#only=&found=5,0,0,5,20,7",

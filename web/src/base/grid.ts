@@ -183,6 +183,10 @@ export interface LineAnswer {
   length: number;
   runs: { from: number; to: number; length: number; cells: number; material: number; name: string }[];
 }
+// How thick a material is along the normal of its surface; null: the material goes on around the point.
+export interface ThicknessAnswer {
+  thickness: { material: number; name: string; length: number; cells: number; normal: [number, number, number]; from: [number, number, number]; to: [number, number, number] } | null;
+}
 export interface Column {
   axis: string;
   at: [number, number];
@@ -223,6 +227,10 @@ export class GridAddress {
   // The materials along a straight line between two points.
   line(from: readonly number[], to: readonly number[]): string {
     return `${this.base}/line?from=${from.join(",")}&to=${to.join(",")}&v=${this.hash}`;
+  }
+  // How thick the material of a cell is at a point of its surface.
+  thickness(cell: Index3, at: readonly number[]): string {
+    return `${this.base}/thickness?cell=${cell.join(",")}&at=${at.join(",")}&v=${this.hash}`;
   }
   // A file with the cells of a box.
   box(ending: "npy" | "vti" | "vtr", box: readonly number[]): string {

@@ -28,9 +28,9 @@ export class Pair {
     this.comparison = page.compare;
     const right = in_units(other, page.info.units);
     const axes = [page.axes, axes_of(right)] as const;
-    const { centre, zoom, help, show_axes, show_scale, show_lines, show_outline, show_leaves, refinement, tool, measure, measuring } = page;
+    const { centre, zoom, help, show_axes, show_scale, show_lines, show_outline, show_leaves, refinement, tool, measures, chosen, measuring } = page;
     const shared: Shared = {
-      ...{ centre, zoom, help, show_axes, show_scale, show_lines, show_outline, show_leaves, refinement, tool, measure, measuring },
+      ...{ centre, zoom, help, show_axes, show_scale, show_lines, show_outline, show_leaves, refinement, tool, measures, chosen, measuring },
       bounds: common_bounds(...axes),
       finest: Math.min(...axes.flat().map((axis) => axis.finest)),
       layout: signal<Layout>("z"),

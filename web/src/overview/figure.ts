@@ -14,13 +14,12 @@ export interface Scenery {
   readonly markers: readonly Vec3[];
   readonly extents: readonly { low: Vec3; high: Vec3 }[]; // of what is marked
   readonly found: { low: Vec3; high: Vec3 } | null; // what "Go there" has gone to
-  readonly measure: { from: Vec3; to: Vec3 } | null;
+  readonly measures: readonly { from: Vec3; to: Vec3; chosen: boolean }[];
 }
 
-export function scenery_of(viewer: Pick<Viewer, "box" | "marks" | "measure" | "isolated">, axes: Axes, space: Space, at: Vec3): Scenery {
+export function scenery_of(viewer: Pick<Viewer, "box" | "marks" | "measures" | "chosen" | "isolated">, axes: Axes, space: Space, at: Vec3): Scenery {
   const box = viewer.box.value;
   const corner = (of: readonly number[], first: number) => axes.map((axis, d) => to_space(space, d, axis.plane(of[first + d]!))) as Vec3;
-  const measure = viewer.measure.value;
   const found = viewer.isolated.value?.box;
   return {
     at,
@@ -28,7 +27,7 @@ export function scenery_of(viewer: Pick<Viewer, "box" | "marks" | "measure" | "i
     markers: viewer.marks.value.map((marker) => point_to_space(space, marker.at)),
     extents: viewer.marks.value.flatMap(({ box: lies }) => (lies ? [{ low: corner(lies, 0), high: corner(lies, 3) }] : [])),
     found: found ? { low: corner(found, 0), high: corner(found, 3) } : null,
-    measure: measure && { from: point_to_space(space, measure.from), to: point_to_space(space, measure.to) },
+    measures: viewer.measures.value.map(({ id, from, to }) => ({ from: point_to_space(space, from), to: point_to_space(space, to), chosen: id === viewer.chosen.value })),
   };
 }
 
@@ -63,7 +62,10 @@ export function figure(view: Projection, half: Readonly<Vec3>, scenery: Scenery,
       under.push({ a, b, color: theme.box, width: 2 });
       over.push({ a, b, color: faint(theme.box, 0.3), width: 1.5 });
     }
-  if (scenery.measure) over.push({ a: scenery.measure.from, b: scenery.measure.to, color: theme.measure, width: 2 });
+  for (const { from, to, chosen } of scenery.measures) {
+    over.push({ a: from, b: to, color: chosen ? theme.measure : faint(theme.measure, 0.7), width: chosen ? 2.5 : 1.5 });
+    for (const end of [from, to]) over.push({ a: end, b: end, color: theme.measure, width: chosen ? 8 : 6 });
+  }
   if (scenery.found)
     for (const { a, b } of box_edges(scenery.found.low, scenery.found.high)) {
       under.push({ a, b, color: theme.marker, width: 2.5 });

@@ -1,6 +1,6 @@
 // Pointer and wheel on the overview's canvas, and its keys. A left drag orbits. A right or middle drag, or one with shift,
-// pans. The wheel and pinching move towards what is under the pointer, a click selects it, and a double click goes
-// there. The arrow keys orbit, + and - move, and Home shows everything.
+// pans. The wheel and pinching move towards what is under the pointer, a click selects it or measures from it, and a double
+// click goes there. The arrow keys orbit, + and - move, and Home shows everything.
 import { type Orbit, panned, turned } from "./space/camera";
 
 // The overview, as far as gestures know it.
@@ -10,7 +10,7 @@ interface GestureTarget {
   move(to: Orbit): void; // and draws it soon
   dolly(factor: number, x?: number, y?: number): void; // towards what is seen there, or else towards the middle
   fly_home(): void;
-  select(x: number, y: number): Promise<void>;
+  click(x: number, y: number, shift: boolean): Promise<void>;
   go_to(x: number, y: number): Promise<void>;
   name_what_is_at(x: number, y: number): void; // with no button pressed
 }
@@ -82,7 +82,7 @@ export function listen_gestures(canvas: HTMLCanvasElement, overview: GestureTarg
     else overview.move(turned(overview.viewpoint.orbit, -dx * TURN, dy * TURN));
   });
   on("pointerup", (event) => {
-    if (pointers.delete(event.pointerId) && moved <= STILL) void overview.select(...place(event));
+    if (pointers.delete(event.pointerId) && moved <= STILL) void overview.click(...place(event), event.shiftKey);
   });
   on("pointercancel", (event) => pointers.delete(event.pointerId));
   on("pointerleave", () => overview.hover.hide());

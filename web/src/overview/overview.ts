@@ -18,13 +18,15 @@ import { figure, scenery_of } from "./figure";
 import { point_at } from "./frame";
 import { keys_of, listen_gestures } from "./gestures";
 import { Hover, type Seen } from "./hover";
+import { make_lengths } from "./lengths";
+import { make_measuring } from "./measuring";
 import { make_pace } from "./pace";
 import { make_ladder } from "./quality";
 import { make_rulers } from "./rulers";
 import { make_scale_bar } from "./scale_bar";
 import { type Aim, SightSource } from "./sight_source";
 import { cut_of } from "./sight_query";
-import { type Space, type Vec3, point_to_space, shortest_side, space_of } from "./space/space";
+import { type Space, type Vec3, from_space, point_to_space, shortest_side, space_of } from "./space/space";
 import { Stage } from "./stage";
 import { type Theme, read_theme } from "./theme";
 import { make_triad } from "./triad";
@@ -66,6 +68,8 @@ class Overview {
   private readonly bar: ReturnType<typeof make_scale_bar>;
   private readonly sights: SightSource;
   readonly hover: Hover;
+  private readonly measuring: ReturnType<typeof make_measuring>;
+  private readonly lengths: ReturnType<typeof make_lengths>;
   private readonly nearest: number;
   private theme: Theme;
   private visible = false;
@@ -86,6 +90,8 @@ class Overview {
     this.nearest = NEAREST * shortest_side(space, viewer.axes);
     this.rulers = make_rulers(viewer, space, () => this.moved());
     this.bar = make_scale_bar(viewer.info.units);
+    this.measuring = make_measuring(viewer, this.abort.signal);
+    this.lengths = make_lengths(viewer, space);
     this.sights = new SightSource(viewer, space, this.abort.signal, {
       quick: (frame) => {
         stage.cloud.set(frame);
@@ -112,7 +118,7 @@ class Overview {
         else if (hover?.axis === null) viewer.hover.value = null;
       },
     );
-    chrome.root.append(...this.rulers.roots, this.triad.root, this.bar.root, this.hover.root);
+    chrome.root.append(...this.rulers.roots, this.triad.root, this.bar.root, this.lengths.root, this.hover.root);
     this.theme = read_theme(chrome.root);
   }
 
@@ -169,7 +175,7 @@ class Overview {
         untracked(() => this.moved());
       }),
       effect(() => {
-        void [viewer.cell.value, viewer.box.value, viewer.isolated.value, viewer.markers.value, viewer.measure.value, viewer.orbit.value];
+        void [viewer.cell.value, viewer.box.value, viewer.isolated.value, viewer.markers.value, viewer.measures.value, viewer.chosen.value, viewer.orbit.value];
         if (!this.viewpoint.own) untracked(() => this.pace.later());
       }),
       effect(() => {
@@ -248,6 +254,7 @@ class Overview {
     stage.set_lines(under, over);
     this.rulers.update(view, at);
     this.triad.update(view);
+    this.lengths.update(view);
     this.bar.update(view, orbit.distance, this.space.scale);
     const quality = ladder.quality();
     const milliseconds = stage.draw(orbit, quality, this.moving && !calm);
@@ -316,6 +323,11 @@ class Overview {
     return { label: label === 0 ? null : label - 1, point: point_at(frame, px, py) };
   }
 
+  private coordinates_at(x: number, y: number): Vec3 | null {
+    const point = this.pixel_at(x, y)?.point;
+    return point ? (point.map((p, d) => from_space(this.space, d, p)) as Vec3) : null;
+  }
+
   private async seen_at(x: number, y: number, signal: AbortSignal): Promise<Seen | null> {
     return this.aim && (await get_json<{ seen: Seen | null }>(this.sights.point_address(this.aim, x, y), signal)).seen;
   }
@@ -328,14 +340,17 @@ class Overview {
       return p.far > 0 && Math.hypot(p.x - x, p.y - y) < MARKER;
     });
     this.chrome.canvas.title = under?.text ?? "";
+    this.measuring.move(this.coordinates_at(x, y));
     if (under) this.hover.hide();
     else this.hover.show(x, y, this.pixel_at(x, y)?.label ?? null, view.width);
   }
 
-  // A click keeps the cell in the read-out.
-  async select(x: number, y: number): Promise<void> {
+  // A click keeps the cell in the read-out, or measures.
+  async click(x: number, y: number, shift: boolean): Promise<void> {
     const seen = await this.seen_at(x, y, this.abort.signal).catch(() => null);
-    this.viewer.pinned.value = seen ? seen.cell : null;
+    if (shift) await this.measuring.thickness(seen);
+    else if (this.viewer.tool.value === "measure") this.measuring.click(seen);
+    else this.viewer.pinned.value = seen ? seen.cell : null;
   }
 
   // Puts the crosshair on what is seen at a pixel, and moves the camera closer.

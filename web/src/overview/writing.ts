@@ -1,4 +1,4 @@
-// The overview as part of a saved picture: its ground, what WebGL has drawn, and the numbers, knobs and triad, which
+// The overview as part of a saved picture: its ground, what WebGL has drawn, and the numbers, knobs, lengths and triad, which
 // are elements of the page.
 import type { Rgba } from "./space/lines";
 
@@ -20,7 +20,12 @@ function draw_element(context: CanvasRenderingContext2D, frame: DOMRect, element
   const box = element.getBoundingClientRect();
   const style = getComputedStyle(element);
   const [x, y] = [box.left - frame.left + box.width / 2, box.top - frame.top + box.height / 2];
-  if (!element.matches(".overview-number")) {
+  if (element.matches(".overview-length")) {
+    context.beginPath();
+    context.roundRect(x - box.width / 2, y - box.height / 2, box.width, box.height, 4);
+    context.fillStyle = style.backgroundColor;
+    context.fill();
+  } else if (!element.matches(".overview-number")) {
     const border = Number.parseFloat(style.borderTopWidth);
     context.beginPath();
     context.arc(x, y, (box.width - border) / 2, 0, 2 * Math.PI);
@@ -54,7 +59,7 @@ export function draw_picture(context: CanvasRenderingContext2D, root: HTMLElemen
   context.drawImage(canvas, 0, 0, frame.width, frame.height);
   context.textAlign = "center";
   context.textBaseline = "middle";
-  for (const element of root.querySelectorAll<HTMLElement>(".overview-number:not([hidden]), .overview-knob:not([hidden])"))
+  for (const element of root.querySelectorAll<HTMLElement>(".overview-number:not([hidden]), .overview-knob:not([hidden]), .overview-length"))
     draw_element(context, frame, element);
   const triad = [...root.querySelectorAll<HTMLElement>(".overview-arm, .overview-end")].sort(
     (a, b) => Number(a.style.zIndex) - Number(b.style.zIndex),

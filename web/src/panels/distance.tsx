@@ -1,12 +1,16 @@
-// What was measured: a line, with what it passes through, or how thick a material is.
+// What was measured: lines with their lengths, what the chosen one passes through, and how thick a material is along the axes.
 import { coordinate, grouped, significant } from "../base/format";
+import { length_text } from "../base/lengths";
 import { FRAMES } from "../base/axis";
 import { AXES, AXIS_NAMES, type AxisIndex, type Column, type Index3, type LineAnswer } from "../base/grid";
 import { use_answer, use_settled } from "../server/answer";
 import { axis_named } from "../state/comparison";
-import type { Measure, Viewer } from "../state/viewer";
+import { type Measure, length_of, measures_csv, name_of_measure, put_measure, remove_measure } from "../state/measures";
+import type { Viewer } from "../state/viewer";
 import { measure_thickness } from "../views/actions";
 import { Fact } from "../widgets/fact";
+import { CopyButton } from "../widgets/copy";
+import { IconButton } from "../widgets/icons";
 import { Swatch } from "../widgets/swatch";
 
 const MOST = 50; // runs that are listed
@@ -26,7 +30,7 @@ function Line({ viewer, measure }: { viewer: Viewer; measure: Measure }) {
       <dl class="numbers">
         <Fact name="distance">
           <b>
-            {significant(Math.hypot(...parts), 6)} {units}
+            {significant(length_of(measure), 6)} {units}
           </b>
         </Fact>
         {AXES.filter((d) => d !== measure.axis).map((d) => (
@@ -102,37 +106,78 @@ function Thickness({ viewer, cell }: { viewer: Viewer; cell: Index3 }) {
   );
 }
 
+// A line for each; a click chooses it, and its name can be changed.
+function Lines({ viewer }: { viewer: Viewer }) {
+  const { measures, chosen } = viewer;
+  return (
+    <>
+      <ul class="measures" aria-label="Measured lines">
+        {measures.value.map((m, n) => {
+          const name = name_of_measure(m, n);
+          const choose = () => (chosen.value = m.id);
+          return (
+            <li key={m.id} class={m.id === chosen.value ? "chosen" : ""} onClick={choose}>
+              <input
+                aria-label={`Name of line ${n + 1}`}
+                aria-current={m.id === chosen.value}
+                value={name}
+                maxLength={60}
+                onFocus={choose}
+                onChange={(e) => put_measure(viewer, { ...m, name: e.currentTarget.value.trim() })}
+              />
+              <span class="length">{length_text(length_of(m), viewer.info.units, 5)}</span>
+              <IconButton
+                icon="close"
+                label={`Remove ${name}`}
+                onClick={(e: Event) => {
+                  e.stopPropagation();
+                  remove_measure(viewer, m.id);
+                }}
+              />
+            </li>
+          );
+        })}
+      </ul>
+      <div class="toolbar">
+        <CopyButton label="Copy as CSV" what="the lines as CSV" text={() => measures_csv(measures.value, viewer.info.units)} />
+      </div>
+    </>
+  );
+}
+
 export function Distance({ viewer }: { viewer: Viewer }) {
-  const { measure, thickness, tool } = viewer;
+  const { measure, measures, chosen, thickness, tool } = viewer;
   return (
     <section>
       <h3>Distance and thickness</h3>
       <div class="toolbar">
         <button class="button" aria-pressed={tool.value === "measure"} onClick={() => (tool.value = tool.value === "measure" ? "look" : "measure")}>
-          Measure in a view
+          Measure
         </button>
         <button class="button" title="Of the material at the crosshair, along each axis" onClick={() => measure_thickness(viewer, axis_named(viewer.layout.value), viewer.cell.value)}>
           Thickness
         </button>
         <span class="spacer" />
-        {(measure.value || thickness.value) && (
+        {(measures.value.length > 0 || thickness.value) && (
           <button
             class="button"
             onClick={() => {
-              measure.value = null;
+              measures.value = [];
+              chosen.value = null;
               thickness.value = null;
             }}
           >
-            Clear
+            Clear all
           </button>
         )}
       </div>
       {thickness.value && <Thickness viewer={viewer} cell={thickness.value} />}
       {measure.value && <Line viewer={viewer} measure={measure.value} />}
-      {!measure.value && !thickness.value && (
+      {measures.value.length > 0 && <Lines viewer={viewer} />}
+      {measures.value.length === 0 && !thickness.value && (
         <p class="note">
-          Drag from one place to another: the ends snap to boundaries of materials, unless you hold alt. Shift and a click measure how thick the
-          material is there.
+          In a slice, drag from one place to another: the ends snap to boundaries of materials, unless you hold alt. In 3D, click a surface at
+          each end. Shift and a click measure how thick the material is there: in a slice along the axes, in 3D along the surface's normal.
         </p>
       )}
     </section>

@@ -10,6 +10,7 @@ import { say } from "../base/messages";
 import { numbers_in, ranges } from "../base/ranges";
 import { with_change } from "./bodies";
 import { comparison_in, write_comparison } from "./comparison";
+import { measures_in_address, next_id, parsed_measure, put_measure } from "./measures";
 import { beyond_reach, outside_box, outside_cell, outside_point } from "./outside";
 import { places_found } from "./places";
 import type { Isolation } from "./isolation";
@@ -140,10 +141,10 @@ export function read_address(viewer: Viewer): void {
     if (oblique >= 0) viewer.oblique.value = oblique as AxisIndex;
     const up = query.get("up");
     if (up === "y" || up === "z") viewer.sky.value = up === "y" ? 1 : 2;
-    const measure = numbers(query.get("measure"), 7);
-    if (measure && [0, 1, 2].includes(measure[0]!)) {
-      const beyond = beyond_reach(viewer.axes, "The measured line", measure.slice(1));
-      if (!beyond) viewer.measure.value = { axis: measure[0] as AxisIndex, from: measure.slice(1, 4) as Index3, to: measure.slice(4) as Index3 };
+    for (const text of query.get("measure")?.split(";") ?? []) {
+      const measure = parsed_measure(text, next_id(viewer.measures.value));
+      const beyond = measure && beyond_reach(viewer.axes, "A measured line", [...measure.from, ...measure.to]);
+      if (measure && !beyond) put_measure(viewer, measure);
       say_if(beyond);
     }
     // material=id:rrggbb:opacity:visible, joined by ';'
@@ -181,8 +182,7 @@ export function address_of(viewer: Viewer): string {
   if ((viewer.bodies.value === "plane" || viewer.oblique.value !== null) && viewer.plane_normal.value)
     start.set("plane", viewer.plane_normal.value.map((x) => Number(x.toPrecision(6))).join(","));
   if (viewer.sky.value !== viewer.standard_sky) start.set("up", viewer.sky.value === 1 ? "y" : "z");
-  const m = viewer.measure.value;
-  if (m) start.set("measure", [m.axis, ...m.from, ...m.to].join(","));
+  if (viewer.measures.value.length) start.set("measure", measures_in_address(viewer.measures.value));
   const changed = viewer.looks.value.flatMap((look, id) => {
     return same_look(look, viewer.standard_looks[id]!) ? [] : [`${id}:${hex_color(look).slice(1)}:${look.opacity}:${look.visible ? 1 : 0}`];
   });

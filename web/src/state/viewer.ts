@@ -9,6 +9,7 @@ import { upright_axis } from "../base/upright";
 import { TileCounters } from "../tiles/counters";
 import { type Box, ranges_of, small_labels } from "./boxes";
 import { type Isolation, looks_around, marks_in } from "./isolation";
+import type { Measure } from "./measures";
 import { type Range, type ViewSize, fitting_zoom } from "./zoom";
 
 export type ViewName = "x" | "y" | "z" | "3d";
@@ -27,12 +28,6 @@ export interface OrbitState {
 export const BODY_MODES = ["cut", "plane", "whole", "glass"] as const;
 // How the overview shows bodies: cut open at the crosshair, cut by a plane through it, whole, or like glass.
 export type BodyMode = (typeof BODY_MODES)[number];
-
-export interface Measure {
-  axis: AxisIndex; // of the view that it was drawn in
-  from: [number, number, number]; // coordinates
-  to: [number, number, number];
-}
 
 // A place to be marked in the views, such as a hole in a surface.
 export interface Marker {
@@ -61,7 +56,7 @@ export type Shared = Partial<
   Pick<
     Viewer,
     | "bounds" | "finest" | "cell" | "centre" | "zoom" | "looks" | "body_looks" | "layout" | "help" | "show_axes" | "show_scale" | "show_lines" | "show_outline" | "show_leaves" | "refinement"
-    | "tool" | "measure" | "measuring" | "box"
+    | "tool" | "measures" | "chosen" | "measuring" | "box"
   >
 >;
 
@@ -113,10 +108,12 @@ export class Viewer {
   readonly refinement: Signal<Refinement>;
   readonly sweeping = signal<AxisIndex | null>(null); // the view whose slices are played
   readonly box = signal<Box | null>(null);
-  readonly measure = signal<Measure | null>(null);
+  readonly measures = signal<readonly Measure[]>([]);
+  readonly chosen = signal<number | null>(null); // the id of one of them
+  readonly measure: ReadonlySignal<Measure | null> = computed(() => this.measures.value.find(({ id }) => id === this.chosen.value) ?? null); // that one
   readonly thickness = signal<Index3 | null>(null); // the cell at which the thickness of its material is measured
   readonly tool = signal<"look" | "measure" | "box">("look");
-  readonly measuring = signal(false); // whether keys have begun a line; without the tool it means nothing
+  readonly measuring = signal(false); // whether the chosen line has no end yet; without the tool it means nothing
   readonly markers = signal<readonly Marker[]>([]);
   readonly marks: ReadonlySignal<readonly Marker[]>; // those that the views draw
   readonly tiles = new TileCounters();
@@ -237,7 +234,8 @@ export class Viewer {
         this[name].value = this.standard_switches[name];
       this.refinement.value = this.standard_refinement;
       this.box.value = null;
-      this.measure.value = null;
+      this.measures.value = [];
+      this.chosen.value = null;
       this.pinned.value = null;
       this.markers.value = [];
       this.orbit.value = null;

@@ -5,6 +5,7 @@ import type { AxisIndex, Column, Index3 } from "../base/grid";
 import { say, words_of } from "../base/messages";
 import { get_json } from "../server/api";
 import { SLICE_NORMALS, angles_of, normal_of, turned } from "../oblique/frame";
+import { next_id, put_measure, remove_measure } from "../state/measures";
 import type { ViewName, Viewer } from "../state/viewer";
 
 // Shows one view alone, or all four again.
@@ -36,16 +37,28 @@ export function fit(viewer: Viewer): void {
   });
 }
 
-// Takes one step back: puts the tool away, or else shows all again, or removes the measured line, the box or the pin.
+// A line that has no end yet goes with it.
+function put_tool_away(viewer: Viewer): void {
+  const measure = viewer.measure.value;
+  if (viewer.tool.value === "measure" && viewer.measuring.value && measure) remove_measure(viewer, measure.id);
+  viewer.tool.value = "look";
+  viewer.measuring.value = false;
+}
+
+// Takes one step back: puts the tool away, or else shows all again, or removes the chosen line, the box or the pin.
 export function escape(viewer: Viewer): void {
   batch(() => {
     viewer.sweeping.value = null;
+    const measure = viewer.measure.value;
     if (viewer.tool.value !== "look") {
-      viewer.tool.value = "look";
+      put_tool_away(viewer);
       return;
     }
     if (viewer.isolated.value) viewer.isolated.value = null;
-    else if (viewer.measure.value) viewer.measure.value = viewer.thickness.value = null;
+    else if (measure || viewer.thickness.value) {
+      if (measure) remove_measure(viewer, measure.id);
+      viewer.thickness.value = null;
+    }
     else if (viewer.box.value) viewer.box.value = null;
     else viewer.pinned.value = null;
   });
@@ -65,7 +78,7 @@ export function step_crosshair(viewer: Viewer, axis: AxisIndex, du: number, dv: 
     const away = (d: AxisIndex) => Math.abs(viewer.axes[d].centre(viewer.cell.value[d]) - viewer.centre.value[d]) * viewer.zoom.value;
     if (size && (away(u) > size.width / 2 || away(v) > size.height / 2)) viewer.go_to_cell(viewer.cell.value);
     const line = viewer.tool.value === "measure" && viewer.measuring.value ? viewer.measure.value : null;
-    if (line?.axis === axis) viewer.measure.value = { ...line, to: viewer.centre_of(viewer.cell.value) };
+    if (line?.axis === axis) put_measure(viewer, { ...line, to: viewer.centre_of(viewer.cell.value) });
   });
 }
 
@@ -73,10 +86,13 @@ export function step_crosshair(viewer: Viewer, axis: AxisIndex, du: number, dv: 
 export function mark_measure(viewer: Viewer, axis: AxisIndex): void {
   if (viewer.tool.value !== "measure") return;
   batch(() => {
-    if (viewer.measuring.value && viewer.measure.value?.axis === axis) viewer.tool.value = "look";
-    else {
+    const begun = viewer.measuring.value ? viewer.measure.value : null;
+    if (begun?.axis === axis) {
+      viewer.measuring.value = false;
+      viewer.tool.value = "look";
+    } else {
       const here = viewer.centre_of(viewer.cell.value);
-      viewer.measure.value = { axis, from: here, to: here };
+      put_measure(viewer, { id: begun?.id ?? next_id(viewer.measures.value), name: "", axis, from: here, to: here });
       viewer.measuring.value = true;
     }
   });
@@ -87,7 +103,7 @@ export function measure_thickness(viewer: Viewer, axis: AxisIndex, cell: Index3)
   batch(() => {
     viewer.set_cell(cell);
     viewer.thickness.value = cell;
-    viewer.measure.value = null;
+    viewer.chosen.value = null;
     viewer.panel.value = "box";
   });
   const { u, v } = FRAMES[axis];
@@ -102,7 +118,7 @@ export function measure_thickness(viewer: Viewer, axis: AxisIndex, cell: Index3)
       const ends = found.map(({ d, run }) => ({ d, min: viewer.axes[d].plane(run.from), max: viewer.axes[d].plane(run.to) }));
       const { d, min, max } = ends.reduce((a, b) => (b.max - b.min < a.max - a.min ? b : a));
       const end = (x: number) => viewer.axes.map((own, e) => (e === d ? x : own.centre(cell[e]!))) as [number, number, number];
-      viewer.measure.value = { axis, from: end(min), to: end(max) };
+      put_measure(viewer, { id: next_id(viewer.measures.value), name: "", axis, from: end(min), to: end(max) });
     },
     (error: unknown) => say(`The thickness can't be measured: ${words_of(error)}.`),
   );
@@ -112,7 +128,8 @@ export function measure_thickness(viewer: Viewer, axis: AxisIndex, cell: Index3)
 export function choose_tool(viewer: Viewer, tool: "measure" | "box"): void {
   if (viewer.compared && tool === "box") return; // there are no statistics of boxes
   batch(() => {
-    viewer.tool.value = viewer.tool.value === tool ? "look" : tool;
-    viewer.measuring.value = false;
+    const taken = viewer.tool.value === tool;
+    put_tool_away(viewer);
+    if (!taken) viewer.tool.value = tool;
   });
 }

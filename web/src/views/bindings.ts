@@ -36,7 +36,7 @@ export const slice_bindings: readonly Binding[] = [
   { keys: "f", does: "save a figure for print: PNG or SVG" },
   { keys: "g", does: "go to a place: coordinates, a cell, or the name of a body, a part or a material" },
   { keys: "h ?", does: "show these keys" },
-  { keys: "Escape", does: "put the tool away; show all again; remove the measured line, the box or the pin" },
+  { keys: "Escape", does: "put the tool away; show all again; remove the chosen line, the box or the pin" },
 ];
 
 export const overview_bindings: readonly Binding[] = [
@@ -44,7 +44,8 @@ export const overview_bindings: readonly Binding[] = [
   { keys: "right drag, shift + drag, two fingers", does: "move the picture" },
   { keys: "wheel, pinch", does: "move towards what is under the pointer, or away from it" },
   { keys: "pointer at rest", does: "name the body, the material and the cell" },
-  { keys: "click, tap", does: "pin the cell" },
+  { keys: "click, tap", does: "pin the cell; while measuring (m), begin or end a line on the surface" },
+  { keys: "shift + click", does: "measure how thick the material is there, along the normal of its surface" },
   { keys: "double click", does: "put the crosshair on the cell and go there" },
   { keys: "← → ↑ ↓", does: "turn" },
   { keys: "+ −", does: "move closer or farther away" },

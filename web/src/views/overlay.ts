@@ -2,14 +2,14 @@
 // crosshair moves.
 import type { Box } from "../state/viewer";
 import { draw_border, draw_cell_lines, draw_crosshair, draw_rulers, draw_scale_bar, draw_smallest_cells } from "./overlay_axes";
-import { draw_box, draw_cut, draw_found, draw_markers, draw_measure, draw_pin } from "./overlay_marks";
+import { draw_box, draw_cut, draw_found, draw_markers, draw_measures, draw_pin } from "./overlay_marks";
 import { Pen } from "./drawing/pen";
 import type { Scene, View } from "./view";
 
 // Everything that an overlay depends on. It is compared by identity.
 function inputs_of({ viewer, ink, ratio }: Scene, view: View, draft: Box | null): unknown[] {
   const v = viewer;
-  const signals = [v.cell, v.show_axes, v.show_scale, v.show_lines, v.show_leaves, v.box, v.measure, v.markers, v.isolated, v.pinned, v.cut];
+  const signals = [v.cell, v.show_axes, v.show_scale, v.show_lines, v.show_leaves, v.box, v.measures, v.chosen, v.markers, v.isolated, v.pinned, v.cut];
   return [view.camera, view.level, ink, ratio, draft, ...signals.map((signal) => signal.value)];
 }
 
@@ -49,7 +49,7 @@ export function draw_marks(pen: Pen, level: number, draft: Box | null = null): v
   draw_pin(pen);
   draw_markers(pen, level);
   draw_found(pen);
-  draw_measure(pen);
+  draw_measures(pen);
   if (viewer.show_lines.value) draw_smallest_cells(pen);
   if (viewer.show_scale.value) draw_scale_bar(pen);
 }

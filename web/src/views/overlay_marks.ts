@@ -1,5 +1,6 @@
 // The parts of an overlay that people put there: the pinned cell, the box, markers, the measured line.
-import type { Box, Measure } from "../state/viewer";
+import { type Measure, length_of } from "../state/measures";
+import type { Box } from "../state/viewer";
 import { grouped } from "../base/format";
 import type { AxisIndex } from "../base/grid";
 import { cells_between, extent_in, handles_of } from "./drawing/box_handles";
@@ -164,19 +165,27 @@ function cells_text({ frame, viewer }: Pen, { from, to }: Measure): string {
   return `${grouped(a)} × ${grouped(b)} cells`;
 }
 
-export function draw_measure(pen: Pen): void {
+// The lines that were drawn in this view. Those of three dimensions are many views' matter: of them the chosen one is drawn.
+export function draw_measures(pen: Pen): void {
+  const { viewer, axis } = pen;
+  for (const measure of viewer.measures.value) {
+    const is_chosen = measure.id === viewer.chosen.value;
+    if (measure.axis === axis || (measure.axis === null && is_chosen)) draw_measure(pen, measure, is_chosen);
+  }
+}
+
+function draw_measure(pen: Pen, measure: Measure, is_chosen: boolean): void {
   const { viewer, camera, axis, frame, ink } = pen;
-  const measure = viewer.measure.value;
-  if (!measure || measure.axis !== axis) return;
   const place = (p: readonly number[]) => [camera.x_of(p[frame.u]!), camera.y_of(p[frame.v]!)] as const;
   const [[x0, y0], [x1, y1]] = [place(measure.from), place(measure.to)];
-  const length = Math.hypot(...measure.from.map((x, d) => x - measure.to[d]!));
   const pixels = Math.hypot(x1 - x0, y1 - y0);
   // Bars across both ends.
   const [nx, ny] = pixels > 0 ? [(-(y1 - y0) / pixels) * 6, ((x1 - x0) / pixels) * 6] : [0, 6];
   const elsewhere = measure.from[axis] !== viewer.axes[axis].centre(viewer.cell.value[axis]);
-  pen.path([[x0 - nx, y0 - ny], [x0 + nx, y0 + ny]], ink.accent, { width: 2 });
-  pen.path([[x1 - nx, y1 - ny], [x1 + nx, y1 + ny]], ink.accent, { width: 2 });
-  pen.path([[x0, y0], [x1, y1]], ink.accent, { width: 2, dash: elsewhere ? ELSEWHERE : [] });
-  pen.plate(`${length_text(length, viewer.info.units, 5)} · ${cells_text(pen, measure)}`, (x0 + x1) / 2, (y0 + y1) / 2 - 18, ink.accent);
+  const width = is_chosen ? 2 : 1;
+  pen.path([[x0 - nx, y0 - ny], [x0 + nx, y0 + ny]], ink.accent, { width });
+  pen.path([[x1 - nx, y1 - ny], [x1 + nx, y1 + ny]], ink.accent, { width });
+  pen.path([[x0, y0], [x1, y1]], ink.accent, { width, dash: elsewhere ? ELSEWHERE : [] });
+  const length = length_text(length_of(measure), viewer.info.units, 5);
+  pen.plate(is_chosen && measure.axis !== null ? `${length} · ${cells_text(pen, measure)}` : length, (x0 + x1) / 2, (y0 + y1) / 2 - 18, ink.accent);
 }

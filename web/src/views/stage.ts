@@ -116,7 +116,7 @@ export class Stage {
     this.stops.push(
       effect(() => {
         for (const s of [
-          v.slices_shown, v.cell, v.centre, v.zoom, v.layout, v.shown_looks, v.show_axes, v.show_scale, v.show_lines, v.show_outline, v.show_shares, v.show_leaves, v.cut, v.box, v.measure, v.pinned,
+          v.slices_shown, v.cell, v.centre, v.zoom, v.layout, v.shown_looks, v.show_axes, v.show_scale, v.show_lines, v.show_outline, v.show_shares, v.show_leaves, v.cut, v.box, v.measures, v.chosen, v.pinned,
           v.markers, v.isolated, this.draft,
         ])
           s.value;

@@ -1,6 +1,7 @@
 // What dragging draws: a line that measures a distance, or a box for statistics.
 import { FRAMES } from "../base/axis";
 import type { AxisIndex, Index3 } from "../base/grid";
+import { type Measure, next_id, put_measure } from "../state/measures";
 import type { Box } from "../state/viewer";
 import { type Handle, dragged, handle_at, handles_of } from "./drawing/box_handles";
 import { snapped } from "./snap";
@@ -29,12 +30,14 @@ export function start_tool(stage: Stage, axis: AxisIndex, x: number, y: number):
 function measure(stage: Stage, axis: AxisIndex, x0: number, y0: number): Drag {
   const { viewer } = stage;
   const point = (x: number, y: number) => stage.views[axis].under(viewer, x, y).point;
-  const before = viewer.measure.value;
+  const before = { measures: viewer.measures.value, chosen: viewer.chosen.value };
+  const unfinished = viewer.measuring.value ? viewer.measure.value : null; // a line that has no end yet makes way
+  const id = unfinished?.id ?? next_id(before.measures);
   let [from, to] = [point(x0, y0), point(x0, y0)];
   let ends = new AbortController(); // of the request for the end that is being drawn
   const abort = new AbortController();
-  let last = viewer.measure.value; // the line as it was drawn here last
-  const draw = () => (viewer.measure.value = last = { axis, from, to });
+  let last: Measure | null = null; // the line as it was drawn here last
+  const draw = () => put_measure(viewer, (last = { id, name: "", axis, from, to }));
   const snap = (where: [number, number, number], signal: AbortSignal, take: (p: [number, number, number]) => void) => {
     void snapped(viewer, axis, where, signal).then(
       (p) => {
@@ -59,12 +62,14 @@ function measure(stage: Stage, axis: AxisIndex, x0: number, y0: number): Drag {
     end: (drawn) => {
       if (drawn) {
         viewer.thickness.value = null;
+        viewer.measuring.value = false;
         viewer.panel.value = "box";
         return;
       }
       abort.abort();
       ends.abort();
-      viewer.measure.value = before;
+      viewer.measures.value = before.measures;
+      viewer.chosen.value = before.chosen;
     },
   };
 }

@@ -14,12 +14,21 @@ import "./views.css";
 
 const ORDER: readonly AxisIndex[] = [2, 0, 1];
 
-// Says that the next drag draws. The shape of the pointer would not be enough, and there is none on touch screens.
+const IN_SLICES = "drag to measure a distance (hold alt to leave boundaries aside), or press Enter at each end";
+const IN_SPACE = "click a surface at each end of a line, or shift and click for the thickness there";
+
+function measuring_words({ layout, measuring, measure }: Viewer): string {
+  if (measuring.value && measure.value?.axis === null) return "Click a surface at the other end; drags turn the view";
+  if (layout.value === "3d") return `Measuring: ${IN_SPACE}`;
+  return layout.value === "four" ? `In slices ${IN_SLICES}; in 3D ${IN_SPACE}` : `Measuring: ${IN_SLICES}`;
+}
+
+// Says what the mouse does now. The shape of the pointer would not be enough, and there is none on touch screens.
 export function ToolNote({ viewer }: { viewer: Viewer }) {
   const tool = viewer.tool.value;
   return (
     <p class="tool-note" role="status" hidden={tool === "look"}>
-      {tool === "measure" ? "Drag to measure a distance (hold alt to leave boundaries aside), or press Enter at each end" : "Drag to draw a box"}; press Escape to stop
+      {tool === "measure" ? measuring_words(viewer) : "Drag to draw a box in a slice"}; press Escape to stop
     </p>
   );
 }

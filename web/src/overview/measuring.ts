@@ -1,0 +1,55 @@
+// Measuring on surfaces: one click for each end of a line, while drags turn the view as always; with shift, a click measures how thick the
+// material is there, along the surface's normal.
+import { batch } from "@preact/signals";
+import { say, words_of } from "../base/messages";
+import type { ThicknessAnswer } from "../base/grid";
+import { get_json } from "../server/api";
+import { next_id, put_measure } from "../state/measures";
+import type { Viewer } from "../state/viewer";
+import type { Seen } from "./hover";
+
+type Point = [number, number, number];
+
+export function make_measuring(viewer: Viewer, signal: AbortSignal) {
+  const begun = () => (viewer.tool.value === "measure" && viewer.measuring.value && viewer.measure.value?.axis === null ? viewer.measure.value : null);
+  const put = (from: Point, to: Point, name = "") => put_measure(viewer, { id: begun()?.id ?? next_id(viewer.measures.value), name, axis: null, from, to });
+  const end = () => {
+    viewer.measuring.value = false;
+    viewer.tool.value = "look";
+    viewer.panel.value = "box";
+  };
+
+  return {
+    click(seen: Seen | null): void {
+      if (!seen) return say("There is no surface to measure from: click one.");
+      batch(() => {
+        const line = begun();
+        viewer.thickness.value = null;
+        put(line?.from ?? [...seen.at], [...seen.at]);
+        if (line) end();
+        else viewer.measuring.value = true;
+      });
+    },
+
+    // The line that has no end yet follows the pointer.
+    move(point: Point | null): void {
+      const line = begun();
+      if (line && point) put(line.from, point);
+    },
+
+    async thickness(seen: Seen | null): Promise<void> {
+      if (!seen) return say("There is no surface to measure from: click one.");
+      try {
+        const { thickness } = await get_json<ThicknessAnswer>(viewer.address.thickness(seen.cell, seen.at), signal);
+        if (!thickness) return say("This is where the view cuts the material, not its surface: there is no normal to measure along.");
+        batch(() => {
+          viewer.thickness.value = null;
+          put(thickness.from, thickness.to, `Thickness of ${thickness.name}`);
+          end();
+        });
+      } catch (error) {
+        if (!signal.aborted) say(`The thickness can't be measured: ${words_of(error)}.`);
+      }
+    },
+  };
+}
