@@ -84,7 +84,6 @@ void BlockFolder::add(uint64_t block, const Bytes& bytes) const {
   const Descriptor file = open_block_file(file_of(block), O_WRONLY | O_CREAT);
   if (!file) return;
   Bytes framed;
-  framed.reserve(sizeof(uint64_t) + bytes.size());
   put_fixed(framed, checksum_of(block, bytes));
   framed.insert(framed.end(), bytes.begin(), bytes.end());
   file.write(block % kBlocksPerFile * kPlace, framed);  // if it fails, the block is read from its address once more

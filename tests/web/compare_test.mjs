@@ -2,8 +2,9 @@
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
 import test, { after } from "node:test";
+import { readFileSync } from "node:fs";
 import { join } from "node:path";
-import { close, expected_labels, folder, open_grid, open_page, screenshot, serve, server_and_browser, settled, state } from "./support.mjs";
+import { close, decoded_png, expected_labels, folder, open_grid, open_page, screenshot, serve, server_and_browser, settled, state } from "./support.mjs";
 
 const { browser } = await server_and_browser();
 const server = await serve(join(folder, "compared"));
@@ -180,6 +181,73 @@ test("marks are on the pixels whose materials have other names, cell by cell at 
   await page.waitForFunction(() => window.teracell?.other?.viewer.info.id === "coarse" && teracell.idle());
   await page.evaluate(() => (teracell.viewer.zoom.value = 0.5));
   await page.getByText(/Compared at level/).waitFor();
+  await close(page);
+});
+
+// What `teracell render` shows of some materials where the page looks: whether each pixel shows something.
+function seen_of(grid, materials, { azimuth, elevation, distance, target }, [width, height]) {
+  const [a, e] = [(azimuth * Math.PI) / 180, (elevation * Math.PI) / 180];
+  const back = [Math.cos(e) * Math.cos(a), Math.cos(e) * Math.sin(a), Math.sin(e)];
+  const path = join(folder, "seen.png");
+  const from = target.map((x, d) => x + back[d] * distance * 50); // half of the longest side
+  const args = ["--from", from.join(","), "--at", target.join(","), "--fov", "26", "--size", `${width},${height}`, "--background", "#ff00ff", "--flat"];
+  execFileSync(process.env.TERACELL, ["render", file(grid), "-o", path, "--materials", materials, ...args], { stdio: "ignore" });
+  return decoded_png(readFileSync(path)).data.map((pixel) => Number((pixel & 0xffffff) !== 0xff00ff));
+}
+
+test("in three dimensions both grids turn together, and what was added and removed has two colours, as `render` shows each", async () => {
+  const page = await open_page(browser, `${server.url}#g=before&compare=after&space=1&bodies=whole`);
+  const sharp = (count) => page.waitForFunction((n) => document.querySelectorAll('.overview[data-state="sharp"]').length === n, count);
+  await sharp(2);
+  const boxes = await page.locator(".overview > canvas").evaluateAll((all) => all.map((e) => e.getBoundingClientRect().toJSON()));
+  assert.ok(boxes[0].right <= boxes[1].left && Math.abs(boxes[0].width - boxes[1].width) <= 1);
+  await page.mouse.move(boxes[1].left + 100, boxes[1].top + 200);
+  await page.mouse.down();
+  await page.mouse.move(boxes[1].left + 160, boxes[1].top + 170, { steps: 3 });
+  await page.mouse.up();
+  const orbit = await other(page, "orbit");
+  assert.ok(orbit !== null && orbit.azimuth !== -122);
+  assert.deepEqual(await state(page, "orbit"), orbit, "one camera for both");
+  await screenshot(page, "compare-3d-side");
+  await mode(page, "What differs");
+  await sharp(1);
+  const { left, top, width, height } = (await page.locator(".overview > canvas").evaluate((e) => e.getBoundingClientRect().toJSON()));
+  const size = [Math.round(width), Math.round(height)];
+  const picture = await screenshot(page, "compare-3d-differs");
+  const masks = Object.fromEntries(
+    [["before", "gold"], ["after", "gold"], ["after", "wood"], ["before", "steel"], ["after", "steel"]].map(([grid, name]) => [`${grid} ${name}`, seen_of(grid, name, orbit, size)]),
+  );
+  assert.deepEqual(masks["before steel"], masks["after steel"]);
+  const hue_at = (i) => {
+    const pixel = picture.data[(Math.round(top) + Math.floor(i / size[0])) * picture.width + Math.round(left) + (i % size[0])];
+    const [r, g, b] = [pixel & 255, (pixel >> 8) & 255, (pixel >> 16) & 255];
+    return g > r + 25 ? "added" : r > b + 40 ? "removed" : "neither";
+  };
+  const counts = { added: [0, 0], removed: [0, 0], neither: [0, 0] };
+  for (let i = 0; i < size[0] * size[1]; ++i) {
+    const removed = masks["before gold"][i];
+    const added = masks["after gold"][i] || masks["after wood"][i];
+    if (removed && added) continue; // whichever is nearer
+    const expected = removed ? "removed" : added ? "added" : "neither";
+    ++counts[expected][0];
+    if (hue_at(i) === expected) ++counts[expected][1];
+  }
+  for (const [name, [all, right]] of Object.entries(counts)) {
+    assert.ok(all > 1000, `${all} pixels ${name}`);
+    assert.ok(right > 0.95 * all, `${name}: ${right} of ${all}`); // lines and rulers lie over some
+  }
+  await page.waitForFunction(() => new URLSearchParams(location.hash.slice(1)).get("space") === "1");
+  await mode(page, "Wipe");
+  await sharp(2);
+  await screenshot(page, "compare-3d-wipe");
+  // Cells of another size and unit: surfaces within a cell of each other are the same.
+  await page.getByLabel("Compare with").selectOption("coarse");
+  await mode(page, "What differs");
+  await page.waitForFunction(() => window.teracell?.other?.viewer.info.id === "coarse");
+  await sharp(1);
+  await screenshot(page, "compare-3d-coarse");
+  await page.getByRole("button", { name: "Slices across z" }).click();
+  await settled(page);
   await close(page);
 });
 

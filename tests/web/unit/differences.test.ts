@@ -9,7 +9,7 @@ import { regions_of } from "@page/tiles/regions";
 import { SetTable } from "@page/tiles/sets";
 import type { Tile } from "@page/tiles/tile";
 import { Camera, sample_cells } from "@page/views/drawing/camera";
-import { ALONE, DIFFERS, PARTLY, SAME, SetComparison, compare_pictures } from "@page/views/drawing/differences";
+import { ADDED, ALONE, DIFFERS, PARTLY, REMOVED, SAME, SetComparison, compare_pictures } from "@page/views/drawing/differences";
 import { random_of, whole } from "./random";
 
 const random = random_of(3);
@@ -17,13 +17,16 @@ const random = random_of(3);
 test("sets are compared by the names of their materials, whatever their ids", () => {
   const [left, right] = [new SetTable(), new SetTable()];
   const comparison = new SetComparison(
-    { names: ["air", "steel", "gold"], sets: left },
-    { names: ["gold", "air", "wood"], sets: right },
+    { names: ["air", "steel", "gold"], background: "air", sets: left },
+    { names: ["gold", "air", "wood"], background: "air", sets: right },
   );
   const verdict = (a: number[], b: number[]) => comparison.verdict(left.number_of(a), right.number_of(b));
   assert.equal(verdict([0], [1]), SAME);
-  assert.equal(verdict([0], [0]), DIFFERS);
+  assert.equal(verdict([0], [0]), ADDED);
+  assert.equal(verdict([1], [1]), REMOVED);
   assert.equal(verdict([1], [2]), DIFFERS);
+  assert.equal(verdict([2], [0, 1]), PARTLY);
+  assert.equal(verdict([0, 1], [0]), DIFFERS, "it held something before");
   assert.equal(verdict([0, 2], [0, 1]), SAME);
   assert.equal(verdict([0, 1], [1]), PARTLY);
   assert.equal(verdict([0, 1], [0, 2]), DIFFERS);
@@ -88,8 +91,8 @@ for (const each of [1, 2] as const)
       const camera = ({ axes }: Grid) => new Camera(2, axes, width, height, 1, centre, zoom);
       const [a, b] = [left.drawn(camera(left), each), right.drawn(camera(right), each)];
       const comparison = new SetComparison(
-        { names: left.names, sets: left.sets },
-        { names: right.names, sets: right.sets },
+        { names: left.names, background: "air", sets: left.sets },
+        { names: right.names, background: "void", sets: right.sets },
       );
       const out = compare_pictures(a, b, comparison);
       for (let y = 0; y < height; ++y)
@@ -99,12 +102,13 @@ for (const each of [1, 2] as const)
             for (let i = 0; i < each; ++i) {
               const [p, q] = [left.names_at(a, x * each + i, y * each + j), right.names_at(b, x * each + i, y * each + j)];
               const common = p && q ? [...p].filter((name) => q.has(name)).length : 0;
-              const verdict = !p && !q ? SAME : !p || !q ? ALONE : common === 0 ? DIFFERS : common === p.size && common === q.size ? SAME : PARTLY;
+              const air = p?.size === 1 && p.has("air");
+              const verdict = !p && !q ? SAME : !p || !q ? ALONE : common === 0 ? (air ? ADDED : DIFFERS) : common === p.size && common === q.size ? SAME : PARTLY;
               expected = Math.max(expected, verdict);
             }
           assert.equal(out[y * width + x], expected, `pixel ${x} ${y}`);
           seen.add(expected);
         }
     }
-    assert.deepEqual([...seen].sort(), [SAME, ALONE, PARTLY, DIFFERS]);
+    assert.deepEqual([...seen].sort(), [SAME, ALONE, PARTLY, DIFFERS, ADDED]);
   });

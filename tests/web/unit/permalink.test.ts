@@ -143,12 +143,12 @@ test("nonsense is ignored, piece by piece", () => {
 
 test("a comparison is read back; of what makes no sense in it, the rest is taken", () => {
   const before = new Viewer(info);
-  before.compare.value = { other: "b & c", axis: 1, mode: "wipe", wipe: 0.25, together: false, apart: -1 / 3 };
+  before.compare.value = { other: "b & c", axis: 1, space: true, mode: "wipe", wipe: 0.25, together: false, apart: -1 / 3 };
   before.centre.value = [-50, 0, 0]; // in the other grid
   const after = read(address_of(before));
   assert.deepEqual(after.compare.value, before.compare.value);
   assert.deepEqual(after.centre.value, before.centre.value);
-  const start = { other: "b", axis: 2, mode: "side", wipe: 0.5, together: true, apart: 0 };
+  const start = { other: "b", axis: 2, space: false, mode: "side", wipe: 0.5, together: true, apart: 0 };
   assert.deepEqual(read("#compare=b").compare.value, start);
   assert.deepEqual(read("#compare=b&across=w&mode=all&wipe=2&together=&apart=far").compare.value, { ...start, together: false });
   const plain = new Viewer(info);

@@ -71,6 +71,7 @@ export interface Report {
 export interface GridInfo {
   id: string;
   units: string;
+  to_file?: number; // by what coordinates are multiplied to be those of the file, where they are shown in another unit
   ray_axis: string;
   grid: { min: number[]; max: number[]; cells: Index3; sample: number[]; axes: AxisJson[]; cells_text: string };
   materials: Material[];

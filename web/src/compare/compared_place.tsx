@@ -18,6 +18,25 @@ function labels_at({ viewer, views, store, sets }: Stage, axis: AxisIndex, point
   return set === null ? null : sets.members(set);
 }
 
+// Added is what only the grid on the right has.
+export function DifferenceMarks({ changed = true }: { changed?: boolean }) {
+  return (
+    <>
+      <span>
+        <span class="mark-of added" /> added
+      </span>
+      <span>
+        <span class="mark-of removed" /> removed
+      </span>
+      {changed && (
+        <span>
+          <span class="mark-of differs" /> other material
+        </span>
+      )}
+    </>
+  );
+}
+
 function Marks({ pair, axis, meet }: { pair: Pair; axis: AxisIndex; meet: boolean }) {
   // The coarsest level in sight: graded grids show several.
   const level = ({ views }: Stage) => Math.max(0, ...views[axis].places.map((place) => place.level));
@@ -35,9 +54,7 @@ function Marks({ pair, axis, meet }: { pair: Pair; axis: AxisIndex; meet: boolea
   else if (exact) words = "Compared cell by cell (level 0): exact for what is in sight.";
   return (
     <p class="comparison-marks">
-      <span>
-        <span class="mark-of differs" /> differs
-      </span>
+      <DifferenceMarks />
       {!exact && (
         <span title="The cells of a coarse level are known by all materials in them. Here the two have some in common, and others not.">
           <span class="mark-of partly" /> differs in part

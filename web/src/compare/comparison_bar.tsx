@@ -1,6 +1,6 @@
 // What is compared with what, and how.
 import type { Signal } from "@preact/signals";
-import { AXES, AXIS_NAMES, type GridSummary } from "../base/grid";
+import { AXES, AXIS_NAMES, type AxisIndex, type GridSummary } from "../base/grid";
 import { new_comparison } from "../state/comparison";
 import type { Comparison, ComparisonMode, Viewer } from "../state/viewer";
 import { Icon } from "../widgets/icons";
@@ -8,14 +8,18 @@ import { type Segment, Segmented } from "../widgets/segmented";
 import { Select } from "../widgets/select";
 
 const MODES: readonly Segment<ComparisonMode>[] = [
-  { value: "side", text: "Side by side", title: "Two slices with one camera" },
-  { value: "wipe", text: "Wipe", title: "One slice on the other, up to a handle" },
-  { value: "differs", text: "What differs", title: "Marks the cells whose materials have other names" },
+  { value: "side", text: "Side by side", title: "Two views with one camera" },
+  { value: "wipe", text: "Wipe", title: "One on the other, up to a handle" },
+  { value: "differs", text: "What differs", title: "What was added, what was removed, and what has become another material" },
 ];
-const ACROSS = AXES.map((axis) => {
-  const [name, label] = [AXIS_NAMES[axis], `Slices across ${AXIS_NAMES[axis]}`];
-  return { value: axis, text: name, class: `layout-${name}`, title: label, "aria-label": label };
-});
+const IN_SPACE = 3;
+const ACROSS: readonly Segment<AxisIndex | typeof IN_SPACE>[] = [
+  ...AXES.map((axis) => {
+    const [name, label] = [AXIS_NAMES[axis], `Slices across ${AXIS_NAMES[axis]}`];
+    return { value: axis, text: name, class: `layout-${name}`, title: label, "aria-label": label };
+  }),
+  { value: IN_SPACE, text: "3D", class: "layout-3d", title: "In three dimensions", "aria-label": "In three dimensions" },
+];
 
 export function ComparisonBar({ viewer, comparison, grids }: { viewer: Viewer; comparison: Signal<Comparison>; grids: readonly GridSummary[] }) {
   const now = comparison.value;
@@ -25,7 +29,7 @@ export function ComparisonBar({ viewer, comparison, grids }: { viewer: Viewer; c
   const change = (what: Partial<Comparison>) => (comparison.value = { ...now, ...what });
   const begin_anew = (other: string, axis: Comparison["axis"]) => {
     const { together, apart } = new_comparison(viewer, other, axis);
-    change({ other, axis, together, apart });
+    change({ other, axis, together, apart, space: now.space && axis === now.axis });
   };
   return (
     <section class="comparison-bar" aria-label="Comparison">
@@ -36,12 +40,15 @@ export function ComparisonBar({ viewer, comparison, grids }: { viewer: Viewer; c
       <Segmented
         class="comparison-axes"
         label="Slices across"
-        value={now.axis}
+        value={now.space ? IN_SPACE : now.axis}
         list={ACROSS}
-        set={(axis) => axis !== now.axis && begin_anew(now.other, axis)}
+        set={(axis) => {
+          if (axis === IN_SPACE || axis === now.axis) change({ space: axis === IN_SPACE });
+          else begin_anew(now.other, axis);
+        }}
       />
       <Segmented label="How they are compared" value={now.mode} list={MODES} set={(mode) => change({ mode })} />
-      <label class="comparison-together" title="Whether moving one slice moves the other one as well">
+      <label class="comparison-together" hidden={now.space} title="Whether moving one slice moves the other one as well">
         <input type="checkbox" checked={now.together} onChange={(e) => change({ together: e.currentTarget.checked })} />
         <span>Move</span> together
       </label>

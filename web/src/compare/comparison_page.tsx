@@ -10,6 +10,7 @@ import { ToolNote } from "../views/views";
 import "../views/views.css";
 import { ComparisonBar } from "./comparison_bar";
 import "./compare.css";
+import { ComparedPoint, ComparedSpaces } from "./compared_spaces";
 import { ComparedPlace } from "./compared_place";
 import { show_differences } from "./difference_picture";
 import { OtherPointer } from "./other_pointer";
@@ -51,13 +52,14 @@ function Slices({ pair, comparison }: { pair: Pair; comparison: OpenComparison }
 }
 
 function Opened({ viewer, comparison, info }: { viewer: Viewer; comparison: OpenComparison; info: GridInfo }) {
-  const pair = useMemo(() => new Pair(viewer, info), [viewer, info]);
+  const { space } = comparison.value;
+  const pair = useMemo(() => new Pair(viewer, info), [viewer, info, space]);
   return (
     <>
-      <main class="views-area" aria-label="Slices that are compared">
-        <Slices pair={pair} comparison={comparison} />
+      <main class="views-area" aria-label={space ? "Grids that are compared" : "Slices that are compared"}>
+        {space ? <ComparedSpaces pair={pair} comparison={comparison} /> : <Slices pair={pair} comparison={comparison} />}
       </main>
-      <ComparedPlace pair={pair} comparison={comparison} />
+      {space ? <ComparedPoint pair={pair} comparison={comparison} /> : <ComparedPlace pair={pair} comparison={comparison} />}
       <aside class={`side-panel comparison-panel ${viewer.panel.value ? "" : "collapsed"}`} id="side-panel" aria-label="What differs">
         <WholeDifference pair={pair} comparison={comparison} info={info} />
       </aside>

@@ -15,8 +15,8 @@ export function show_differences({ left, right, frames }: Pair, comparison: Sign
   const context = canvas.getContext("2d")!;
   const [a, b] = [left.views[axis], right.views[axis]];
   const sets = new SetComparison(
-    { names: left.viewer.material_names, sets: left.sets },
-    { names: right.viewer.material_names, sets: right.sets },
+    { names: left.viewer.material_names, background: left.viewer.info.materials[0]!.name, sets: left.sets },
+    { names: right.viewer.material_names, background: right.viewer.info.materials[0]!.name, sets: right.sets },
   );
   let key = "";
   let picture = new ImageData(1, 1);

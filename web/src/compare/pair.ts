@@ -28,9 +28,10 @@ export class Pair {
     this.comparison = page.compare;
     const right = in_units(other, page.info.units);
     const axes = [page.axes, axes_of(right)] as const;
-    const { centre, zoom, help, show_axes, show_scale, show_lines, show_outline, show_leaves, refinement, tool, measures, chosen, measuring } = page;
+    const { centre, zoom, help, show_axes, show_scale, show_lines, show_outline, show_leaves, refinement, tool, measures, chosen, measuring, bodies, plane_normal, sky } = page;
     const shared: Shared = {
-      ...{ centre, zoom, help, show_axes, show_scale, show_lines, show_outline, show_leaves, refinement, tool, measures, chosen, measuring },
+      ...{ centre, zoom, help, show_axes, show_scale, show_lines, show_outline, show_leaves, refinement, tool, measures, chosen, measuring, bodies, plane_normal, sky },
+      orbit: signal(null), // of both domains together
       bounds: common_bounds(...axes),
       finest: Math.min(...axes.flat().map((axis) => axis.finest)),
       layout: signal<Layout>("z"),
@@ -48,8 +49,9 @@ export class Pair {
     if (left.zoom.value === 0) fit(left);
     const stops = [
       effect(() => {
-        const axis = this.comparison.value?.axis;
-        if (axis !== undefined) left.layout.value = AXIS_NAMES[axis];
+        const c = this.comparison.value;
+        if (c) left.layout.value = c.space ? "3d" : AXIS_NAMES[c.axis];
+        if (c?.space) left.slices_shown.value = right.slices_shown.value = true; // there are none to wait for
       }),
       link(left, right, this.comparison),
       effect(() => void (right.looks.value = looks_by_name(left.info.materials, left.looks.value, right.info.materials, right.standard_looks))),

@@ -27,7 +27,7 @@ async function fetch_part(viewer: Viewer, width: number, height: number, part: P
   const space = space_of(viewer.axes);
   const viewpoint = new Viewpoint(viewer, space, panel_aspect());
   const sight = sight_of(viewer);
-  const query = `${camera_query(space, viewpoint.orbit, width, height)}${cut_of(viewer)}&window=${part.x0},${part.y0},${part.x1},${part.y1}`;
+  const query = `${camera_query(viewer, space, viewpoint.orbit, width, height)}${cut_of(viewer)}&window=${part.x0},${part.y0},${part.x1},${part.y1}`;
   const sights = await fetch_layers(viewer, space, layers_of(sight), query, (address) => get_patiently(address, signal));
   return compose(sights, palette_of(sight));
 }

@@ -1,18 +1,9 @@
 // Says what is under the pointer: body, material and cell. What the picture knows is said at once; the cell is asked for
 // when the pointer rests.
-import type { Index3 } from "../base/grid";
 import { element } from "./dom";
+import type { Seen } from "./sight_query";
 
 const REST = 120; // milliseconds
-
-// What the server answers about a point of a picture.
-export interface Seen {
-  readonly at: readonly [number, number, number];
-  readonly cell: Index3;
-  readonly label: number;
-  readonly material: number;
-  readonly body: string | null;
-}
 
 export class Hover {
   readonly root = element("div", { class: "overview-tip", "aria-hidden": "true" });
@@ -21,7 +12,7 @@ export class Hover {
 
   constructor(
     private readonly name_of: (label: number) => string,
-    private readonly ask: (x: number, y: number, signal: AbortSignal) => Promise<Seen | null>,
+    private readonly ask: (x: number, y: number, signal: AbortSignal) => Promise<(Seen & { readonly name: string }) | null>,
     private readonly tell: (seen: Seen | null) => void,
   ) {
     this.root.hidden = true;
@@ -50,7 +41,7 @@ export class Hover {
     try {
       const seen = await this.ask(x, y, abort.signal);
       if (abort.signal.aborted || !seen) return;
-      this.root.textContent = `${this.name_of(seen.label)} · cell ${seen.cell.join(", ")}`;
+      this.root.textContent = `${seen.name} · cell ${seen.cell.join(", ")}`;
       this.tell(seen);
     } catch {
       // The name is there already; that the server is away is said elsewhere.

@@ -6,13 +6,17 @@ import type { ThicknessAnswer } from "../base/grid";
 import { get_json } from "../server/api";
 import { next_id, put_measure } from "../state/measures";
 import type { Viewer } from "../state/viewer";
-import type { Seen } from "./hover";
+import type { Seen } from "./sight_query";
 
 type Point = [number, number, number];
 
-export function make_measuring(viewer: Viewer, signal: AbortSignal) {
+// `changed`: is called for each line that is drawn here.
+export function make_measuring(viewer: Viewer, signal: AbortSignal, changed: () => void) {
   const begun = () => (viewer.tool.value === "measure" && viewer.measuring.value && viewer.measure.value?.axis === null ? viewer.measure.value : null);
-  const put = (from: Point, to: Point, name = "") => put_measure(viewer, { id: begun()?.id ?? next_id(viewer.measures.value), name, axis: null, from, to });
+  const put = (from: Point, to: Point, name = "") => {
+    put_measure(viewer, { id: begun()?.id ?? next_id(viewer.measures.value), name, axis: null, from, to });
+    changed();
+  };
   const end = () => {
     viewer.measuring.value = false;
     viewer.tool.value = "look";

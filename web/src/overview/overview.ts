@@ -7,7 +7,7 @@
 // picture is drawn as points in space, until the next one has come.
 import { effect, untracked } from "@preact/signals";
 import { words_of } from "../base/messages";
-import { ServerError, get_json } from "../server/api";
+import { ServerError } from "../server/api";
 import { returned } from "../server/connection";
 import { on_theme } from "../state/theme";
 import type { Viewer } from "../state/viewer";
@@ -17,7 +17,7 @@ import { type Chrome, make_chrome } from "./chrome";
 import { figure, scenery_of } from "./figure";
 import { point_at } from "./frame";
 import { keys_of, listen_gestures } from "./gestures";
-import { Hover, type Seen } from "./hover";
+import { Hover } from "./hover";
 import { make_lengths } from "./lengths";
 import { make_measuring } from "./measuring";
 import { make_pace } from "./pace";
@@ -25,7 +25,8 @@ import { make_ladder } from "./quality";
 import { make_rulers } from "./rulers";
 import { make_scale_bar } from "./scale_bar";
 import { type Aim, SightSource } from "./sight_source";
-import { cut_of } from "./sight_query";
+import type { Seen } from "./sight_query";
+import { type SightSubject, bodies_of } from "./sight_subject";
 import { type Space, type Vec3, from_space, point_to_space, shortest_side, space_of } from "./space/space";
 import { Stage } from "./stage";
 import { type Theme, read_theme } from "./theme";
@@ -40,9 +41,9 @@ const SAME_PLACE = 400; // milliseconds in which turns of the wheel go to the sa
 const NEAREST = 3; // cells between the camera and what it moves to
 const CLOSER = 0.4; // of the distance, by a double click
 
-// What keys do in it, and a function that removes it.
-export function mount_overview(host: HTMLElement, viewer: Viewer): { keys: Record<string, () => void>; unmount: () => void } {
-  const space = space_of(viewer.axes);
+// What keys do in it, and a function that removes it. It shows the viewer's bodies, unless it is given something else.
+export function mount_overview(host: HTMLElement, viewer: Viewer, subject_in = (space: Space): SightSubject => bodies_of(viewer, space)): { keys: Record<string, () => void>; unmount: () => void } {
+  const space = space_of(viewer.bounds);
   const chrome = make_chrome(host);
   let stage: Stage;
   try {
@@ -52,7 +53,7 @@ export function mount_overview(host: HTMLElement, viewer: Viewer): { keys: Recor
     chrome.root.dataset.state = "failed";
     return { keys: {}, unmount: () => chrome.root.remove() };
   }
-  const overview = new Overview(viewer, space, chrome, stage);
+  const overview = new Overview(viewer, space, subject_in(space), chrome, stage);
   overview.start(host);
   return { keys: keys_of(overview), unmount: () => overview.stop() };
 }
@@ -83,6 +84,7 @@ class Overview {
   constructor(
     private readonly viewer: Viewer,
     private readonly space: Space,
+    private readonly subject: SightSubject,
     private readonly chrome: Chrome,
     private readonly stage: Stage,
   ) {
@@ -90,9 +92,9 @@ class Overview {
     this.nearest = NEAREST * shortest_side(space, viewer.axes);
     this.rulers = make_rulers(viewer, space, () => this.moved());
     this.bar = make_scale_bar(viewer.info.units);
-    this.measuring = make_measuring(viewer, this.abort.signal);
+    this.measuring = make_measuring(viewer, this.abort.signal, () => this.pace.soon());
     this.lengths = make_lengths(viewer, space);
-    this.sights = new SightSource(viewer, space, this.abort.signal, {
+    this.sights = new SightSource(subject, this.abort.signal, {
       quick: (frame) => {
         stage.cloud.set(frame);
         this.came("ready");
@@ -110,7 +112,7 @@ class Overview {
       },
     });
     this.hover = new Hover(
-      (label) => viewer.name_of(label),
+      (label) => subject.name_of(label),
       (x, y, signal) => this.seen_at(x, y, signal),
       (seen) => {
         const hover = viewer.hover.peek();
@@ -176,7 +178,7 @@ class Overview {
       }),
       effect(() => {
         void [viewer.cell.value, viewer.box.value, viewer.isolated.value, viewer.markers.value, viewer.measures.value, viewer.chosen.value, viewer.orbit.value];
-        if (!this.viewpoint.own) untracked(() => this.pace.later());
+        if (!this.viewpoint.own) untracked(() => (viewer.compared ? this.moved() : this.pace.later())); // both that are compared move as one
       }),
       effect(() => {
         const visit = viewer.visited.value;
@@ -266,8 +268,8 @@ class Overview {
 
   // Asks for what is to be seen now.
   private look(orbit: Orbit, width: number, height: number, calm: boolean): void {
-    this.aim = { orbit, width: Math.round(width), height: Math.round(height), cut: cut_of(this.viewer), points: this.ladder.quality().points };
-    const place = JSON.stringify([orbit, this.aim.cut, width, height]);
+    this.aim = { orbit, width: Math.round(width), height: Math.round(height), cuts: this.subject.cuts(), points: this.ladder.quality().points };
+    const place = JSON.stringify([orbit, this.aim.cuts, width, height]);
     if (place !== this.drawn_from) {
       this.stage.leave(this.chrome.root.dataset.state === "sharp");
       if (this.chrome.root.dataset.state === "sharp") this.chrome.root.dataset.state = "ready";
@@ -328,8 +330,8 @@ class Overview {
     return point ? (point.map((p, d) => from_space(this.space, d, p)) as Vec3) : null;
   }
 
-  private async seen_at(x: number, y: number, signal: AbortSignal): Promise<Seen | null> {
-    return this.aim && (await get_json<{ seen: Seen | null }>(this.sights.point_address(this.aim, x, y), signal)).seen;
+  private async seen_at(x: number, y: number, signal: AbortSignal): Promise<(Seen & { readonly name: string }) | null> {
+    return this.aim && this.subject.seen_at(this.aim, x, y, signal);
   }
 
   // The marker under the pointer says what it marks; otherwise the body there has a name.

@@ -27,8 +27,8 @@ export function make_rulers(viewer: Viewer, space: Space, slid: () => void) {
   const rulers = ([0, 1, 2] as const).map((d) => {
     const axis = viewer.axes[d];
     const name = AXIS_NAMES[d];
-    const low = element("span", { class: `overview-number ${name}`, "aria-hidden": "true" }, end_text(axis, axis.min));
-    const high = element("span", { class: `overview-number ${name}`, "aria-hidden": "true" }, `${end_text(axis, axis.max)} ${units}`);
+    const low = element("span", { class: `overview-number ${name}`, "aria-hidden": "true" }, end_text(axis, viewer.bounds[d].min));
+    const high = element("span", { class: `overview-number ${name}`, "aria-hidden": "true" }, `${end_text(axis, viewer.bounds[d].max)} ${units}`);
     const knob = element(
       "div",
       {

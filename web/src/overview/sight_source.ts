@@ -1,17 +1,12 @@
-// Asks the server what is seen, and colours it. A quick picture of few pixels comes first, and again while something
+// Asks for what is seen of a subject, and colours it. A quick picture of few pixels comes first, and again while something
 // moves, one at a time. Once everything rests, the sharp picture follows, part by part from the middle outwards. What is
 // not wanted any more is called off.
-import type { Viewer } from "../state/viewer";
 import { type Part, parts_of } from "../base/picture_parts";
-import { ranges } from "../base/ranges";
 import { get } from "../server/api";
-import type { Orbit } from "./space/camera";
-import { type Palette, compose } from "./compose";
 import { type Frame, empty_frame, put_part } from "./frame";
-import { layers_of, palette_of } from "./layers";
 import type { Sights } from "./sights";
-import { PART, camera_query, fetch_layers, sight_of } from "./sight_query";
-import type { Space } from "./space/space";
+import { PART } from "./sight_query";
+import type { Sighting, SightSubject } from "./sight_subject";
 
 const QUICK_TIME = 90; // milliseconds that a quick picture may take to come
 const FEWEST_QUICK = 40_000; // pixels
@@ -20,11 +15,7 @@ const MOST_PIXELS = 2_600_000; // of a sharp picture
 const AT_ONCE = 2; // requests: browsers open six connections, and the slices come first
 
 // What is to be seen.
-export interface Aim {
-  readonly orbit: Orbit;
-  readonly width: number; // of the panel, in CSS pixels
-  readonly height: number;
-  readonly cut: string; // as a part of an address, or empty
+export interface Aim extends Sighting {
   readonly points: number; // that can be drawn while something moves
 }
 
@@ -41,14 +32,13 @@ export class SightSource {
   private quick_runs = false;
   private quick_pixels = 80_000;
   private sharp_abort: AbortController | null = null;
-  private kept: { quick: { frame: Frame; layers: Sights[] } | null; sharp: { frame: Frame; parts: { at: Part; layers: Sights[] }[]; whole: boolean } | null } = {
+  private kept: { quick: { frame: Frame; layers: readonly Sights[] } | null; sharp: { frame: Frame; parts: { at: Part; layers: readonly Sights[] }[]; whole: boolean } | null } = {
     quick: null,
     sharp: null,
   };
 
   constructor(
-    private readonly viewer: Viewer,
-    private readonly space: Space,
+    private readonly subject: SightSubject,
     private readonly signal: AbortSignal,
     private readonly events: SightEvents,
   ) {}
@@ -69,11 +59,11 @@ export class SightSource {
 
   // Colours have changed.
   recolor(): void {
-    const palette = this.palette();
+    const { subject } = this;
     const { quick, sharp } = this.kept;
-    if (quick) this.events.quick((quick.frame = { ...quick.frame, ...compose(quick.layers, palette) }));
+    if (quick) this.events.quick((quick.frame = { ...quick.frame, ...subject.color(quick.layers) }));
     if (!sharp) return;
-    for (const { at, layers } of sharp.parts) put_part(sharp.frame, compose(layers, palette), at.x0, at.y0);
+    for (const { at, layers } of sharp.parts) put_part(sharp.frame, subject.color(layers), at.x0, at.y0);
     this.events.sharp(sharp.frame, sharp.whole);
   }
 
@@ -84,24 +74,12 @@ export class SightSource {
     if (this.aim) this.want(this.aim, true);
   }
 
-  // The address of what is seen at a point of a picture, in pixels.
-  point_address(aim: Aim, x: number, y: number): string {
-    const labels = ranges(this.layers().flat().sort((a, b) => a - b));
-    return this.viewer.address.view("json", `${camera_query(this.space, aim.orbit, aim.width, aim.height)}${aim.cut}&labels=${labels}&level=0&pixel=${x},${y}`);
+  private key_of({ orbit, cuts, width, height }: Aim): string {
+    return JSON.stringify([orbit, cuts, this.subject.key(), SightSource.size(width, height), width / height]);
   }
 
-  private layers(): number[][] {
-    return layers_of(sight_of(this.viewer));
-  }
-  private palette(): Palette {
-    return palette_of(sight_of(this.viewer));
-  }
-  private key_of(aim: Aim): string {
-    return `${camera_query(this.space, aim.orbit, aim.width, aim.height)}${aim.cut} ${this.layers().map(ranges).join(" ")} ${SightSource.size(aim.width, aim.height).join()}`;
-  }
-
-  private fetch_layers(query: string, signal: AbortSignal): Promise<Sights[]> {
-    return fetch_layers(this.viewer, this.space, this.layers(), query, (address) => get(address, { signal, priority: "low" }));
+  private fetch(from: Sighting, more: string, signal: AbortSignal): Promise<readonly Sights[]> {
+    return this.subject.fetch(from, more, (address) => get(address, { signal, priority: "low" }));
   }
 
   private async ask_quick(): Promise<void> {
@@ -114,8 +92,8 @@ export class SightSource {
     const [width, height] = [Math.max(1, Math.round(aim.width * scale)), Math.max(1, Math.round(aim.height * scale))];
     let frame: Frame | null = null;
     try {
-      const layers = await this.fetch_layers(`${camera_query(this.space, aim.orbit, width, height)}${aim.cut}&quick=1`, this.signal);
-      frame = { ...compose(layers, this.palette()), orbit: aim.orbit };
+      const layers = await this.fetch({ ...aim, width, height }, "&quick=1", this.signal);
+      frame = { ...this.subject.color(layers), orbit: aim.orbit };
       this.kept.quick = { frame, layers };
       const faster = Math.min(Math.max(QUICK_TIME / (performance.now() - began), 0.5), 1.5);
       this.quick_pixels = Math.min(Math.max(this.quick_pixels * faster, FEWEST_QUICK), MOST_QUICK);
@@ -145,11 +123,10 @@ export class SightSource {
     const sharp: NonNullable<typeof this.kept.sharp> = { frame: empty_frame(aim.orbit, width, height), parts: [], whole: false };
     this.kept.sharp = sharp;
     const waiting = parts_of(width, height, PART);
-    const query = `${camera_query(this.space, aim.orbit, width, height)}${aim.cut}`;
     const take = async () => {
       for (let part = waiting.shift(); part; part = waiting.shift()) {
-        const layers = await this.fetch_layers(`${query}&window=${part.x0},${part.y0},${part.x1},${part.y1}`, abort.signal);
-        put_part(sharp.frame, compose(layers, this.palette()), part.x0, part.y0);
+        const layers = await this.fetch({ ...aim, width, height }, `&window=${part.x0},${part.y0},${part.x1},${part.y1}`, abort.signal);
+        put_part(sharp.frame, this.subject.color(layers), part.x0, part.y0);
         sharp.parts.push({ at: part, layers });
         if (waiting.length > 0) this.events.sharp(sharp.frame, false);
       }

@@ -16,6 +16,7 @@ interface Lit {
 export interface Sights extends Lit {
   readonly width: number;
   readonly height: number;
+  readonly step: number; // by what share distances may be wrong, because they are rounded
   readonly far: Float32Array; // the distance from the plane of the eye, 0 where nothing is seen; rows from the top
   // Pixels of which the middle is too little to know: four points of each.
   readonly edges: Lit & { readonly at: Uint32Array };
@@ -62,5 +63,5 @@ export function decode_sights(buffer: ArrayBuffer, scale: number): Sights {
   const bits = bytes(Math.ceil(n / 8));
   const places = new Uint32Array(count);
   for (let i = 0, next = 0; i < n && next < count; ++i) if ((bits[i >> 3]! >> (i & 7)) & 1) places[next++] = i;
-  return { width, height, label, far, own, added, facing, edges: { at: places, label: labels(4 * count), own: bytes(4 * count), added: bytes(4 * count), facing: bytes(4 * count) } };
+  return { width, height, step: stretch, label, far, own, added, facing, edges: { at: places, label: labels(4 * count), own: bytes(4 * count), added: bytes(4 * count), facing: bytes(4 * count) } };
 }

@@ -15,7 +15,7 @@ export function new_comparison(viewer: Viewer, other: string, axis: AxisIndex): 
   const { min, max } = viewer.axes[axis];
   const at = middle_of(viewer.axes[axis], viewer.cell.peek()[axis]);
   const tenth = (max - min) / 10;
-  return { other, axis, mode: "side", wipe: 0.5, together: !same, apart: same ? (at + tenth < max ? tenth : -tenth) : 0 };
+  return { other, axis, space: false, mode: "side", wipe: 0.5, together: !same, apart: same ? (at + tenth < max ? tenth : -tenth) : 0 };
 }
 
 // z, when it is not the name of an axis: of a layout, the axis across which its slices lie.
@@ -33,7 +33,8 @@ export function toggle_comparison(viewer: Viewer, grids: readonly GridSummary[])
     if (viewer.compare.value) viewer.compare.value = null;
     else {
       if (viewer.shows_all()) viewer.zoom.value = 0; // all of both
-      viewer.compare.value = new_comparison(viewer, (alike ?? others[0] ?? viewer.info).id, axis_named(viewer.layout.peek()));
+      const comparison = new_comparison(viewer, (alike ?? others[0] ?? viewer.info).id, axis_named(viewer.layout.peek()));
+      viewer.compare.value = { ...comparison, space: viewer.layout.peek() === "3d" && others.length > 0 };
     }
   });
 }
@@ -51,6 +52,7 @@ export function comparison_in(query: URLSearchParams, viewer: Viewer): Compariso
   const together = query.get("together");
   return {
     ...start,
+    space: query.get("space") === "1",
     mode: mode && COMPARISON_MODES.includes(mode) ? mode : start.mode,
     wipe: number("wipe", start.wipe, (x) => x >= 0 && x <= 1),
     together: together === null ? start.together : together === "1",
@@ -59,9 +61,10 @@ export function comparison_in(query: URLSearchParams, viewer: Viewer): Compariso
 }
 
 // REQUIRES: the query has the grid on the left.
-export function write_comparison(query: URLSearchParams, { other, axis, mode, wipe, together, apart }: Comparison): void {
+export function write_comparison(query: URLSearchParams, { other, axis, space, mode, wipe, together, apart }: Comparison): void {
   query.set("compare", other);
   if (axis !== 2) query.set("across", AXIS_NAMES[axis]);
+  if (space) query.set("space", "1");
   if (mode !== "side") query.set("mode", mode);
   if (wipe !== 0.5) query.set("wipe", String(Number(wipe.toFixed(4))));
   const same = other === query.get("g");
@@ -77,7 +80,7 @@ export function in_units(info: GridInfo, units: string): GridInfo {
   const scaled = (axis: AxisJson): AxisJson =>
     axis.type === "uniform" ? { ...axis, min: axis.min * by, step: axis.step * by } : { ...axis, planes: axis.planes.map((x) => x * by) };
   const { grid } = info;
-  return { ...info, units, grid: { ...grid, min: grid.min.map((x) => x * by), max: grid.max.map((x) => x * by), axes: grid.axes.map(scaled) } };
+  return { ...info, units, to_file: 1 / by, grid: { ...grid, min: grid.min.map((x) => x * by), max: grid.max.map((x) => x * by), axes: grid.axes.map(scaled) } };
 }
 
 // Around both.

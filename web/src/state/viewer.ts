@@ -45,6 +45,7 @@ export type ComparisonMode = (typeof COMPARISON_MODES)[number];
 export interface Comparison {
   readonly other: string; // the id of the grid on the right
   readonly axis: AxisIndex; // across which the slices lie
+  readonly space: boolean; // whether the grids are seen in three dimensions, in place of slices
   readonly mode: ComparisonMode;
   readonly wipe: number; // where the handle is, as a share of the width
   readonly together: boolean; // whether the slices move together; the crosshair does in any case
@@ -56,7 +57,7 @@ export type Shared = Partial<
   Pick<
     Viewer,
     | "bounds" | "finest" | "cell" | "centre" | "zoom" | "looks" | "body_looks" | "layout" | "help" | "show_axes" | "show_scale" | "show_lines" | "show_outline" | "show_leaves" | "refinement"
-    | "tool" | "measures" | "chosen" | "measuring" | "box"
+    | "tool" | "measures" | "chosen" | "measuring" | "box" | "orbit" | "bodies" | "plane_normal" | "sky"
   >
 >;
 

@@ -1,14 +1,24 @@
-// The fourth panel: the overview in three dimensions. Its code is loaded once the panel is in sight, after the slices.
+// The overview in three dimensions: the fourth panel, or one of those that are compared. Its code is loaded once the panel is in sight, after the slices.
 import { useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import { words_of } from "../base/messages";
+import type { SightSubject } from "../overview/sight_subject";
+import type { Space } from "../overview/space/space";
 import type { Viewer } from "../state/viewer";
 import { toggle_layout } from "./actions";
 import { MaximiseButton } from "./maximise_button";
 import { activating } from "./panel";
 import type { Stage } from "./stage";
 
-export function OverviewPanel({ stage, viewer }: { stage: Stage; viewer: Viewer }) {
+interface OverviewProps {
+  stage: Stage;
+  viewer: Viewer;
+  side?: "left" | "right"; // of a comparison
+  title?: string;
+  subject_in?: (space: Space) => SightSubject; // what is looked at, if not the viewer's bodies
+}
+
+export function OverviewPanel({ stage, viewer, side, title, subject_in }: OverviewProps) {
   const host = useRef<HTMLDivElement>(null);
   const state = useSignal<"loading" | "there" | { readonly trouble: string }>("loading");
   const attempt = useSignal(0);
@@ -25,7 +35,7 @@ export function OverviewPanel({ stage, viewer }: { stage: Stage; viewer: Viewer 
       try {
         const { mount_overview } = await import("../overview/overview");
         if (gone) return;
-        const mounted = mount_overview(host.current!, viewer);
+        const mounted = mount_overview(host.current!, viewer, subject_in);
         stage.overview_keys = mounted.keys;
         unmount = mounted.unmount;
         state.value = "there";
@@ -39,13 +49,13 @@ export function OverviewPanel({ stage, viewer }: { stage: Stage; viewer: Viewer 
       stage.overview_keys = null;
       unmount();
     };
-  }, [stage, viewer, due, attempt.value]);
+  }, [stage, viewer, subject_in, due, attempt.value]);
   const again = () => {
     state.value = "loading";
     ++attempt.value;
   };
   return (
-    <section class="view-panel" data-view="3d" hidden={!shown} aria-label="Overview in three dimensions" {...activating(stage, "3d")}>
+    <section class="view-panel" data-view="3d" data-side={side} hidden={!shown} aria-label="Overview in three dimensions" {...activating(stage, "3d")}>
       <div class="view-overview" ref={host} />
       {state.value === "loading" && <p class="view-note">Loading the overview …</p>}
       {typeof state.value === "object" && (
@@ -59,8 +69,9 @@ export function OverviewPanel({ stage, viewer }: { stage: Stage; viewer: Viewer 
           <span class="view-chip view-chip-3d" aria-hidden="true">
             3D
           </span>
+          {title && <span class="view-grid">{title}</span>}
         </div>
-        <MaximiseButton what="The overview" alone={layout === "3d"} toggle={() => toggle_layout(viewer, "3d")} />
+        {!viewer.compared && <MaximiseButton what="The overview" alone={layout === "3d"} toggle={() => toggle_layout(viewer, "3d")} />}
       </header>
     </section>
   );

@@ -2,6 +2,7 @@
 // precision suffices for any coordinates. Graded axes are true to scale.
 import type { Axis } from "../../base/axis";
 import { for_axes } from "../../base/grid";
+import type { Range } from "../../state/zoom";
 
 export type Axes = readonly [Axis, Axis, Axis];
 export type Vec3 = [number, number, number];
@@ -12,11 +13,12 @@ export interface Space {
   readonly half: Readonly<Vec3>; // the domain is -half to half
 }
 
-export function space_of(axes: Axes): Space {
-  const extent = axes.map((a) => a.max - a.min);
+// `domain`: along each axis.
+export function space_of(domain: readonly [Range, Range, Range]): Space {
+  const extent = domain.map((a) => a.max - a.min);
   const scale = 2 / Math.max(...extent, Number.MIN_VALUE);
   return {
-    middle: axes.map((a) => (a.min + a.max) / 2) as Vec3,
+    middle: domain.map((a) => (a.min + a.max) / 2) as Vec3,
     scale,
     half: extent.map((e) => (e * scale) / 2) as Vec3,
   };

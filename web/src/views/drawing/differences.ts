@@ -1,7 +1,8 @@
 // What differs between two pictures of the same place: each sample is compared, so at the level in view no cell of the finer
 // grid is passed over. Materials are compared by their names, as `teracell diff` does. Free of the document.
 //
-// A coarse cell is known by the set of its materials alone. Where two sets have no name in common, all of its cells differ.
+// A coarse cell is known by the set of its materials alone. Where two sets have no name in common, all of its cells differ; where
+// one of them is nothing but the background, something was added or removed.
 // Where the sets are unequal, some may. Where they are equal and have several names, nothing is known: only cells of
 // level 0 are compared exactly.
 import type { Region } from "../../tiles/regions";
@@ -13,12 +14,15 @@ import { NumberRows } from "./paint";
 export const SAME = 0; // or not known
 export const ALONE = 1; // in one of the grids only
 export const PARTLY = 2; // the sets are unequal, but have names in common
-export const DIFFERS = 3;
-export type Verdict = typeof SAME | typeof ALONE | typeof PARTLY | typeof DIFFERS;
+export const DIFFERS = 3; // other materials
+export const REMOVED = 4; // only the background is left
+export const ADDED = 5; // there was nothing but the background
+export type Verdict = typeof SAME | typeof ALONE | typeof PARTLY | typeof DIFFERS | typeof REMOVED | typeof ADDED;
 
-// A grid: the names of its labels' materials, and the numbers of its sets.
+// A grid: the names of its labels' materials, that of its background, and the numbers of its sets.
 export interface Side {
   readonly names: readonly string[];
+  readonly background: string;
   readonly sets: SetTable;
 }
 
@@ -49,7 +53,8 @@ export class SetComparison {
     const names = (side: Side, set: number) => new Set(side.sets.members(set)!.map((label) => side.names[label]));
     const [x, y] = [names(this.left, a), names(this.right, b)];
     const common = [...x].filter((name) => y.has(name)).length;
-    if (common === 0) return DIFFERS;
+    const is_background = (of: ReadonlySet<string | undefined>, side: Side) => of.size === 1 && of.has(side.background);
+    if (common === 0) return is_background(x, this.left) ? ADDED : is_background(y, this.right) ? REMOVED : DIFFERS;
     return common === x.size && common === y.size ? SAME : PARTLY;
   }
 }

@@ -14,7 +14,7 @@ export interface Ink {
   readonly line: Rgb; // between cells
   readonly accent: string;
   readonly marker: string;
-  readonly differences: readonly [number, number, number, number]; // packed, by what differences.ts says of a pixel; clear where nothing differs
+  readonly differences: readonly number[]; // packed, by what differences.ts says of a pixel; clear where nothing differs
   readonly axes: readonly [string, string, string];
 }
 
@@ -41,7 +41,7 @@ export function read_ink(host: HTMLElement): Ink {
     line: rgb("line"),
     accent: css("accent"),
     marker: css("marker"),
-    differences: [0, (packed(rgb("accent")) & 0x60ffffff) >>> 0, packed(rgb("partly")), packed(rgb("marker"))],
+    differences: [0, (packed(rgb("accent")) & 0x60ffffff) >>> 0, ...["partly", "marker", "removed", "added"].map((name) => packed(rgb(name)))],
     axes: [css("x"), css("y"), css("z")],
   };
   probe.remove();

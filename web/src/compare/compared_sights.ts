@@ -1,0 +1,118 @@
+// What differs between two grids, seen in three dimensions: the surfaces of each material, as both grids have them along the same lines of sight.
+// Where one has a surface in front of the other's, or alone, it was added or removed; where both have it at the same place, it is a veil. Materials
+// have layers of their own, so that what lies within another material is seen, too.
+import type { Axis } from "../base/axis";
+import { AXES } from "../base/grid";
+import { rgb_of_color } from "../base/materials";
+import { type Palette, VEILS, compose } from "../overview/compose";
+import { type Get, camera_query, cut_of, fetch_layers, fetch_seen } from "../overview/sight_query";
+import type { Sighting, SightSubject } from "../overview/sight_subject";
+import type { Sights } from "../overview/sights";
+import type { Space } from "../overview/space/space";
+import type { Viewer } from "../state/viewer";
+
+// Labels of what is merged.
+const [SAME, REMOVED, ADDED] = [0, 1, 2];
+const WORDS = ["in both", "removed", "added"];
+const MOST_ALONE = 5; // materials that have a layer of their own
+
+// `slack`: how far from each other two surfaces may lie that are the same one; besides what distances are rounded by.
+export function merged(a: Sights, b: Sights, slack: number): Sights {
+  const n = a.width * a.height;
+  const label = new Uint8Array(n);
+  const [far, own, added, facing] = [new Float32Array(n), new Uint8Array(n), new Uint8Array(n), new Uint8Array(n)];
+  const from_b = new Uint8Array(n);
+  const rounding = 2 * (a.step + b.step);
+  for (let i = 0; i < n; ++i) {
+    const [has_a, has_b] = [a.label[i]! > 0, b.label[i]! > 0];
+    if (!has_a && !has_b) continue;
+    const [p, q] = [has_a ? a.far[i]! : Infinity, has_b ? b.far[i]! : Infinity];
+    const is_same = has_a && has_b && Math.abs(p - q) <= slack + rounding * Math.min(p, q);
+    from_b[i] = Number(q < p);
+    label[i] = 1 + (is_same ? SAME : q < p ? ADDED : REMOVED);
+    const source = from_b[i] ? b : a;
+    far[i] = source.far[i]!;
+    own[i] = source.own[i]!;
+    added[i] = source.added[i]!;
+    facing[i] = source.facing[i]!;
+  }
+  // The edges of the surface that a pixel shows; where it shows nothing, of either.
+  const places: number[] = [];
+  const points: { label: number[]; own: number[]; added: number[]; facing: number[] } = { label: [], own: [], added: [], facing: [] };
+  for (const [side, of] of [[0, a], [1, b]] as const)
+    of.edges.at.forEach((at, e) => {
+      const shows = label[at]!;
+      if (shows > 0 && from_b[at] !== side) return;
+      places.push(at);
+      for (let k = 4 * e; k < 4 * e + 4; ++k) {
+        points.label.push(of.edges.label[k]! === 0 ? 0 : shows || 1 + SAME);
+        for (const part of ["own", "added", "facing"] as const) points[part].push(of.edges[part][k]!);
+      }
+    });
+  const bytes = Uint8Array.from.bind(Uint8Array) as (list: readonly number[]) => Uint8Array;
+  const edges = { at: Uint32Array.from(places), label: bytes(points.label), own: bytes(points.own), added: bytes(points.added), facing: bytes(points.facing) };
+  return { width: a.width, height: a.height, step: Math.max(a.step, b.step), label, far, own, added, facing, edges };
+}
+
+// The labels of each side that belong together, by the names of materials: the first ones alone, the others as one.
+export function paired_layers(left: Viewer, right: Viewer): [number[], number[]][] {
+  const shown = (viewer: Viewer) => {
+    const of = new Map<string, number[]>();
+    viewer.label_looks.value.forEach(({ visible, opacity, material }, label) => {
+      if (material === 0 || !visible || opacity === 0) return;
+      const { name } = viewer.info.materials[material]!;
+      of.set(name, [...(of.get(name) ?? []), label]);
+    });
+    return of;
+  };
+  const [a, b] = [shown(left), shown(right)];
+  const names = [...new Set([...a.keys(), ...b.keys()])];
+  const pair = (some: readonly string[]) => [a, b].map((of) => some.flatMap((name) => of.get(name) ?? []).sort((x, y) => x - y)) as [number[], number[]];
+  const alone = names.slice(0, MOST_ALONE).map((name) => pair([name]));
+  return names.length > MOST_ALONE ? [...alone, pair(names.slice(MOST_ALONE))] : alone;
+}
+
+const same_planes = (a: Axis, b: Axis): boolean => a.cells === b.cells && [0, a.cells >> 2, a.cells >> 1, a.cells].every((i) => a.plane(i) === b.plane(i));
+
+// Surfaces of unequal cells are the same where they lie within a cell of each other.
+function slack_of(left: Viewer, right: Viewer, space: Space): number {
+  if (AXES.every((d) => same_planes(left.axes[d], right.axes[d]))) return 0;
+  const widest = (axis: Axis) => (axis.graded ? Math.max(...Array.from({ length: axis.cells }, (_, i) => axis.width(i))) : axis.finest);
+  return space.scale * Math.hypot(...AXES.map((d) => Math.max(widest(left.axes[d]), widest(right.axes[d]))));
+}
+
+// In the colours of the style sheet.
+function palette_in(root: HTMLElement): Palette {
+  const style = getComputedStyle(root);
+  const squares = [[128, 134, 144], ...["--removed", "--added"].map((name) => rgb_of_color(style.getPropertyValue(name).trim()))].flat().map((c) => (c / 255) ** 2);
+  return { squares: Float32Array.from(squares), opacity: Float32Array.of(1, 1, 1), veil: Uint8Array.of(VEILS.indexOf("faint"), VEILS.indexOf("solid"), VEILS.indexOf("solid")) };
+}
+
+export function difference_of(left: Viewer, right: Viewer, space: Space): SightSubject {
+  const sides = [left, right] as const;
+  const slack = slack_of(left, right, space);
+  const query = (side: 0 | 1, { orbit, width, height, cuts }: Sighting) => `${camera_query(sides[side], space, orbit, width, height)}${cuts[side]}`;
+  return {
+    key: () => JSON.stringify(paired_layers(left, right)),
+    cuts: () => sides.map(cut_of),
+    fetch: async (from, more, get: Get) => {
+      const pairs = paired_layers(left, right);
+      const of = (side: 0 | 1) => fetch_layers(sides[side], space, pairs.map((pair) => pair[side]), query(side, from) + more, get);
+      const [a, b] = await Promise.all([of(0), of(1)]);
+      return a.map((layer, n) => merged(layer, b[n]!, slack));
+    },
+    color: (layers) => compose(layers, palette_in(document.documentElement)),
+    seen_at: async (from, x, y, signal) => {
+      const pairs = paired_layers(left, right);
+      const found = await Promise.all(
+        ([0, 1] as const).map(async (side) => {
+          const seen = await fetch_seen(sides[side], pairs.flatMap((pair) => pair[side]).sort((p, q) => p - q), query(side, from), x, y, signal);
+          return seen && { ...seen, name: `${sides[side].name_of(seen.label)} in ${sides[side].info.id}` };
+        }),
+      );
+      const nearest = Math.min(...found.map((seen) => seen?.distance ?? Infinity));
+      return found.find((seen) => seen?.distance === nearest) ?? null;
+    },
+    name_of: (label) => WORDS[label]!,
+  };
+}
