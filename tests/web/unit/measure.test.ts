@@ -2,8 +2,8 @@
 import assert from "node:assert/strict";
 import test from "node:test";
 import { Axis, FRAMES } from "@page/base/axis";
-import { type Measure, measures_csv } from "@page/state/measures";
-import type { Box } from "@page/state/viewer";
+import { measures_csv } from "@page/state/measures";
+import type { Box, Measure } from "@page/state/viewer";
 import { type Handle, cells_between, cursor_of, dragged, handle_at, handles_of, nearest_plane } from "@page/views/drawing/box_handles";
 import { Camera } from "@page/views/drawing/camera";
 import { nearer, nearest_boundary } from "@page/views/snap";

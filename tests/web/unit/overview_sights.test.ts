@@ -1,11 +1,11 @@
 // What is seen, as numbers, is decoded and coloured: layers lie over each other from far to near, and edges are means.
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { type Palette, type Substance, VEILS, compose, cover_of } from "@page/overview/compose";
+import { type Palette, type Substance, VEILS, compose, cover_of } from "@page/overview/sight/compose";
 import { empty_frame, point_at, put_part } from "@page/overview/frame";
 import type { LabelLook } from "@page/base/materials";
-import { layers_of, palette_of } from "@page/overview/layers";
-import { type Sights, decode_sights } from "@page/overview/sights";
+import { layers_of, palette_of } from "@page/overview/sight/layers";
+import { type Sights, decode_sights } from "@page/overview/sight/sights";
 import { fitted, project, projection_of } from "@page/overview/space/camera";
 
 // As server/SERVING.md has it. `pixels`: label plus 1, the code of the distance, own, added and facing light.

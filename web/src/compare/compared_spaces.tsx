@@ -1,14 +1,12 @@
 // Two grids in three dimensions, with one camera: side by side, one on the other, or what differs between them.
 import type { Signal } from "@preact/signals";
-import { useEffect, useMemo, useRef } from "preact/hooks";
+import { useEffect, useRef } from "preact/hooks";
 import { coordinate } from "../base/format";
 import { AXES, AXIS_NAMES } from "../base/grid";
-import type { Space } from "../overview/space/space";
 import type { Comparison } from "../state/viewer";
 import { OverviewPanel } from "../views/overview_panel";
 import { ToolNote } from "../views/views";
 import { DifferenceMarks } from "./compared_place";
-import { difference_of } from "./compared_sights";
 import type { Pair } from "./pair";
 import { WipeHandle } from "./wipe_handle";
 
@@ -17,7 +15,6 @@ export function ComparedSpaces({ pair, comparison }: { pair: Pair; comparison: S
   const { mode, wipe } = comparison.value;
   const { left, right } = pair;
   useEffect(() => pair.start(host.current!), [pair]);
-  const difference = useMemo(() => (space: Space) => difference_of(left.viewer, right.viewer, space), [pair]);
   // Keys act on the side that has the pointer or the focus.
   const use = (event: Event) => {
     const side = (event.target as Element).closest<HTMLElement>("[data-side]")?.dataset.side;
@@ -29,7 +26,7 @@ export function ComparedSpaces({ pair, comparison }: { pair: Pair; comparison: S
   return (
     <div class="views comparison-spaces" data-mode={mode} style={{ "--wipe": `${100 * wipe}%` }} ref={host} onPointerOverCapture={use} onFocusInCapture={use}>
       {mode === "differs" ? (
-        <OverviewPanel key="differs" stage={left} viewer={left.viewer} side="left" title="what differs" subject_in={difference} />
+        <OverviewPanel key="differs" stage={left} viewer={left.viewer} side="left" title="what differs" against={right.viewer} />
       ) : (
         [panel("left"), panel("right")]
       )}

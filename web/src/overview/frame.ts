@@ -3,7 +3,7 @@ import {
   AlwaysDepth, BufferGeometry, DataTexture, FloatType, GLSL3, type Matrix4, Mesh, NearestFilter, NoBlending, Points, RawShaderMaterial, RedFormat,
   type ShaderMaterialParameters, Vector2, Vector3,
 } from "three";
-import type { Colored } from "./compose";
+import type { Colored } from "./sight/compose";
 import { type Orbit, add, basis, dot, eye_of, reach } from "./space/camera";
 import type { Vec3 } from "./space/space";
 

@@ -1,7 +1,7 @@
 // Says what is under the pointer: body, material and cell. What the picture knows is said at once; the cell is asked for
 // when the pointer rests.
 import { element } from "./dom";
-import type { Seen } from "./sight_query";
+import type { Seen } from "./sight/query";
 
 const REST = 120; // milliseconds
 

@@ -6,7 +6,7 @@ import type { ThicknessAnswer } from "../base/grid";
 import { get_json } from "../server/api";
 import { next_id, put_measure } from "../state/measures";
 import type { Viewer } from "../state/viewer";
-import type { Seen } from "./sight_query";
+import type { Seen } from "./sight/query";
 
 type Point = [number, number, number];
 

@@ -25,8 +25,9 @@ import { make_ladder } from "./quality";
 import { make_rulers } from "./rulers";
 import { make_scale_bar } from "./scale_bar";
 import { type Aim, SightSource } from "./sight_source";
-import type { Seen } from "./sight_query";
-import { type SightSubject, bodies_of } from "./sight_subject";
+import { difference_of } from "./sight/difference";
+import type { Seen } from "./sight/query";
+import { type SightSubject, bodies_of } from "./sight/subject";
 import { type Space, type Vec3, from_space, point_to_space, shortest_side, space_of } from "./space/space";
 import { Stage } from "./stage";
 import { type Theme, read_theme } from "./theme";
@@ -41,8 +42,9 @@ const SAME_PLACE = 400; // milliseconds in which turns of the wheel go to the sa
 const NEAREST = 3; // cells between the camera and what it moves to
 const CLOSER = 0.4; // of the distance, by a double click
 
-// What keys do in it, and a function that removes it. It shows the viewer's bodies, unless it is given something else.
-export function mount_overview(host: HTMLElement, viewer: Viewer, subject_in = (space: Space): SightSubject => bodies_of(viewer, space)): { keys: Record<string, () => void>; unmount: () => void } {
+// What keys do in it, and a function that removes it. It shows the viewer's bodies, or how those of
+// another one differ from them.
+export function mount_overview(host: HTMLElement, viewer: Viewer, against?: Viewer): { keys: Record<string, () => void>; unmount: () => void } {
   const space = space_of(viewer.bounds);
   const chrome = make_chrome(host);
   let stage: Stage;
@@ -53,7 +55,7 @@ export function mount_overview(host: HTMLElement, viewer: Viewer, subject_in = (
     chrome.root.dataset.state = "failed";
     return { keys: {}, unmount: () => chrome.root.remove() };
   }
-  const overview = new Overview(viewer, space, subject_in(space), chrome, stage);
+  const overview = new Overview(viewer, space, against ? difference_of(viewer, against, space) : bodies_of(viewer, space), chrome, stage);
   overview.start(host);
   return { keys: keys_of(overview), unmount: () => overview.stop() };
 }

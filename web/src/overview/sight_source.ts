@@ -4,9 +4,9 @@
 import { type Part, parts_of } from "../base/picture_parts";
 import { get } from "../server/api";
 import { type Frame, empty_frame, put_part } from "./frame";
-import type { Sights } from "./sights";
-import { PART } from "./sight_query";
-import type { Sighting, SightSubject } from "./sight_subject";
+import type { Sights } from "./sight/sights";
+import { PART } from "./sight/query";
+import type { Sighting, SightSubject } from "./sight/subject";
 
 const QUICK_TIME = 90; // milliseconds that a quick picture may take to come
 const FEWEST_QUICK = 40_000; // pixels

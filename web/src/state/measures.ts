@@ -2,17 +2,9 @@
 import { batch } from "@preact/signals";
 import { csv_name } from "../base/format";
 import { type AxisIndex, for_axes } from "../base/grid";
-import type { Viewer } from "./viewer";
+import type { Measure, Viewer } from "./viewer";
 
 type Point = [number, number, number];
-
-export interface Measure {
-  id: number; // as long as the page lives
-  name: string; // empty until somebody gives it one
-  axis: AxisIndex | null; // of the view that it was drawn in; null: in three dimensions
-  from: Point; // coordinates
-  to: Point;
-}
 
 export const length_of = ({ from, to }: Pick<Measure, "from" | "to">): number => Math.hypot(...for_axes((d) => to[d] - from[d]));
 export const name_of_measure = (m: Measure, n: number): string => m.name || `Line ${n + 1}`;

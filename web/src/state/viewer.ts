@@ -9,7 +9,6 @@ import { upright_axis } from "../base/upright";
 import { TileCounters } from "../tiles/counters";
 import { type Box, ranges_of, small_labels } from "./boxes";
 import { type Isolation, looks_around, marks_in } from "./isolation";
-import type { Measure } from "./measures";
 import { type Range, type ViewSize, fitting_zoom } from "./zoom";
 
 export type ViewName = "x" | "y" | "z" | "3d";
@@ -28,6 +27,14 @@ export interface OrbitState {
 export const BODY_MODES = ["cut", "plane", "whole", "glass"] as const;
 // How the overview shows bodies: cut open at the crosshair, cut by a plane through it, whole, or like glass.
 export type BodyMode = (typeof BODY_MODES)[number];
+
+export interface Measure {
+  id: number; // as long as the page lives
+  name: string; // empty until somebody gives it one
+  axis: AxisIndex | null; // of the view that it was drawn in; null: in three dimensions
+  from: [number, number, number]; // coordinates
+  to: [number, number, number];
+}
 
 // A place to be marked in the views, such as a hole in a surface.
 export interface Marker {

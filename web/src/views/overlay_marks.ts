@@ -1,6 +1,6 @@
 // The parts of an overlay that people put there: the pinned cell, the box, markers, the measured line.
-import { type Measure, length_of } from "../state/measures";
-import type { Box } from "../state/viewer";
+import { length_of } from "../state/measures";
+import type { Box, Measure } from "../state/viewer";
 import { grouped } from "../base/format";
 import type { AxisIndex } from "../base/grid";
 import { cells_between, extent_in, handles_of } from "./drawing/box_handles";

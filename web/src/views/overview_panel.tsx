@@ -2,8 +2,6 @@
 import { useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import { words_of } from "../base/messages";
-import type { SightSubject } from "../overview/sight_subject";
-import type { Space } from "../overview/space/space";
 import type { Viewer } from "../state/viewer";
 import { toggle_layout } from "./actions";
 import { MaximiseButton } from "./maximise_button";
@@ -15,10 +13,10 @@ interface OverviewProps {
   viewer: Viewer;
   side?: "left" | "right"; // of a comparison
   title?: string;
-  subject_in?: (space: Space) => SightSubject; // what is looked at, if not the viewer's bodies
+  against?: Viewer; // what differs from it is shown, in place of the bodies
 }
 
-export function OverviewPanel({ stage, viewer, side, title, subject_in }: OverviewProps) {
+export function OverviewPanel({ stage, viewer, side, title, against }: OverviewProps) {
   const host = useRef<HTMLDivElement>(null);
   const state = useSignal<"loading" | "there" | { readonly trouble: string }>("loading");
   const attempt = useSignal(0);
@@ -35,7 +33,7 @@ export function OverviewPanel({ stage, viewer, side, title, subject_in }: Overvi
       try {
         const { mount_overview } = await import("../overview/overview");
         if (gone) return;
-        const mounted = mount_overview(host.current!, viewer, subject_in);
+        const mounted = mount_overview(host.current!, viewer, against);
         stage.overview_keys = mounted.keys;
         unmount = mounted.unmount;
         state.value = "there";
@@ -49,7 +47,7 @@ export function OverviewPanel({ stage, viewer, side, title, subject_in }: Overvi
       stage.overview_keys = null;
       unmount();
     };
-  }, [stage, viewer, subject_in, due, attempt.value]);
+  }, [stage, viewer, against, due, attempt.value]);
   const again = () => {
     state.value = "loading";
     ++attempt.value;

@@ -1,8 +1,8 @@
 // What dragging draws: a line that measures a distance, or a box for statistics.
 import { FRAMES } from "../base/axis";
 import type { AxisIndex, Index3 } from "../base/grid";
-import { type Measure, next_id, put_measure } from "../state/measures";
-import type { Box } from "../state/viewer";
+import { next_id, put_measure } from "../state/measures";
+import type { Box, Measure } from "../state/viewer";
 import { type Handle, dragged, handle_at, handles_of } from "./drawing/box_handles";
 import { snapped } from "./snap";
 import type { Stage } from "./stage";

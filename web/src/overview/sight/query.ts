@@ -1,12 +1,12 @@
 // What the server is asked to look at, as parts of an address.
-import type { Index3 } from "../base/grid";
-import { ranges } from "../base/ranges";
-import { get_json } from "../server/api";
-import type { Viewer } from "../state/viewer";
+import type { Index3 } from "../../base/grid";
+import { ranges } from "../../base/ranges";
+import { get_json } from "../../server/api";
+import type { Viewer } from "../../state/viewer";
 import type { Sight } from "./layers";
 import { type Sights, decode_sights } from "./sights";
-import { type Orbit, dot, eye_of, reach } from "./space/camera";
-import { type Space, type Vec3, from_space } from "./space/space";
+import { type Orbit, dot, eye_of, reach } from "../space/camera";
+import { type Space, type Vec3, from_space } from "../space/space";
 
 // By what coordinates are multiplied to be those of the file.
 const to_file = ({ info }: Viewer) => info.to_file ?? 1;

@@ -1,12 +1,12 @@
 // What is looked at: the bodies of a grid, or something else that pictures of it are made from.
-import { ranges } from "../base/ranges";
-import type { Viewer } from "../state/viewer";
+import { ranges } from "../../base/ranges";
+import type { Viewer } from "../../state/viewer";
 import { type Colored, compose } from "./compose";
 import { layers_of, palette_of } from "./layers";
-import { type Get, type Seen, camera_query, cut_of, fetch_layers, fetch_seen, sight_of } from "./sight_query";
+import { type Get, type Seen, camera_query, cut_of, fetch_layers, fetch_seen, sight_of } from "./query";
 import type { Sights } from "./sights";
-import type { Orbit } from "./space/camera";
-import type { Space } from "./space/space";
+import type { Orbit } from "../space/camera";
+import type { Space } from "../space/space";
 
 // From where, in how many pixels, and what is cut away of each grid.
 export interface Sighting {

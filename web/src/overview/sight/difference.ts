@@ -1,15 +1,15 @@
 // What differs between two grids, seen in three dimensions: the surfaces of each material, as both grids have them along the same lines of sight.
 // Where one has a surface in front of the other's, or alone, it was added or removed; where both have it at the same place, it is a veil. Materials
 // have layers of their own, so that what lies within another material is seen, too.
-import type { Axis } from "../base/axis";
-import { AXES } from "../base/grid";
-import { rgb_of_color } from "../base/materials";
-import { type Palette, VEILS, compose } from "../overview/compose";
-import { type Get, camera_query, cut_of, fetch_layers, fetch_seen } from "../overview/sight_query";
-import type { Sighting, SightSubject } from "../overview/sight_subject";
-import type { Sights } from "../overview/sights";
-import type { Space } from "../overview/space/space";
-import type { Viewer } from "../state/viewer";
+import type { Axis } from "../../base/axis";
+import { AXES } from "../../base/grid";
+import { rgb_of_color } from "../../base/materials";
+import { type Palette, VEILS, compose } from "./compose";
+import { type Get, camera_query, cut_of, fetch_layers, fetch_seen } from "./query";
+import type { Sighting, SightSubject } from "./subject";
+import type { Sights } from "./sights";
+import type { Space } from "../space/space";
+import type { Viewer } from "../../state/viewer";
 
 // Labels of what is merged.
 const [SAME, REMOVED, ADDED] = [0, 1, 2];

@@ -1,7 +1,7 @@
 // Which labels are seen in which layer, and how they look. Solid ones share a layer: the nearest hides the others. What is clear has a layer for
 // each material, as long as these are few; what is faint has one. Pure.
-import type { LabelLook } from "../base/materials";
-import type { BodyMode } from "../state/viewer";
+import type { LabelLook } from "../../base/materials";
+import type { BodyMode } from "../../state/viewer";
 import { type Palette, type Substance, VEILS } from "./compose";
 
 const MOST_CLEAR = 6; // layers
