@@ -110,7 +110,21 @@ test("the view in three dimensions is saved in any size, on a clear ground, with
   const { width, data } = await pixels_of(page, bytes);
   assert.equal(width, 450);
   assert.equal(data[0] >>> 24, 0, "the corner is not clear");
-  assert.ok(data.filter((pixel) => pixel >>> 24 === 255).length > 0.1 * data.length, "nothing is seen");
+  const solid = (some) => some.filter((pixel) => pixel >>> 24 === 255).length;
+  assert.ok(solid(data) > 0.08 * data.length, "nothing is seen");
+  // The domain with its coordinates adds lines and numbers around the same picture, and four views are one sheet.
+  await choose(page, { "Axes with coordinates": false });
+  const plain = await pixels_of(page, (await save(page)).bytes);
+  const gray = (some) => some.filter((pixel) => pixel >>> 24 > 128 && (pixel & 255) < 60 && ((pixel >> 16) & 255) < 70).length;
+  assert.ok(gray(data) > gray(plain.data) + 500, `${gray(data)} dark pixels with axes, ${gray(plain.data)} without`);
+  for (const what of ["four", "sides"]) {
+    await choose(page, { What: what, "Axes with coordinates": true });
+    const sheet = await save(page);
+    assert.equal(sheet.name, `open-${what}.png`);
+    const four = await pixels_of(page, sheet.bytes);
+    const quarter = (right, below) => four.data.filter((_, i) => i % four.width >= (four.width >> 1) === right && Math.floor(i / four.width) >= four.height >> 1 === below);
+    for (const [right, below] of [[false, false], [true, false], [false, true], [true, true]]) assert.ok(solid(quarter(right, below)) > 300, `${what}: nothing ${right} ${below}`);
+  }
   await close(page);
 });
 

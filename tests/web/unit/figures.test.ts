@@ -4,7 +4,7 @@ import test from "node:test";
 import { deflateSync } from "node:zlib";
 import { joined } from "@page/figures/areas";
 import { Axis } from "@page/base/axis";
-import { laid_out, planes_within } from "@page/figures/layout";
+import { laid_out, laid_out_together, planes_within } from "@page/figures/layout";
 import { STANDARD, fault_of, pixels_of, points_of } from "@page/figures/options";
 import { crc32, with_density } from "@page/figures/png";
 import { uncover } from "@page/figures/slice_cells";
@@ -120,4 +120,20 @@ test("an SVG document keeps text as text, whatever is in it", () => {
   assert.ok(text.includes('fill="rgb(1,2,3)" fill-opacity="0.25"/>'), "as SVG 1.1 has it");
   assert.ok(text.includes(">a &#60; b &#38; &#34;c&#34;</text>"));
   assert.ok(text.includes('<path fill="rgb(1,2,3)" fill-opacity="0.5" shape-rendering="crispEdges" d="M0 40H20V50H0Z"/>'), text);
+});
+
+test("panels of one sheet stand in rows of two, apart from each other and from the legend below them", () => {
+  const measure = (text: string) => 5 * text.length;
+  const axes = [{ name: "x [mm]", low: 0, high: 100 }, { name: "y [mm]", low: 0, high: 50 }] as const;
+  const panels = [{ aspect: 0.5, axes }, { aspect: 2, axes: null }, { aspect: 0.2, axes }, { aspect: 0.7, axes: null }];
+  const sheet = laid_out_together(panels, 480, true, ["steel", "gold"], measure);
+  const boxes = sheet.panels.map(({ plot }) => plot);
+  boxes.forEach((a, i) => {
+    assert.ok(a.x >= 0 && a.x + a.width <= 480 && a.y > sheet.title! && Math.abs(a.height - a.width * panels[i]!.aspect) < 1e-9);
+    assert.ok(sheet.panels[i]!.title! < a.y && sheet.panels[i]!.title! > (i < 2 ? sheet.title! : boxes[i - 2]!.y + boxes[i - 2]!.height));
+    boxes.slice(i + 1).forEach((b) => assert.ok(a.x + a.width <= b.x || b.x + b.width <= a.x || a.y + a.height <= b.y || b.y + b.height <= a.y));
+    for (const { y } of sheet.legend) assert.ok(y > a.y + a.height);
+  });
+  assert.equal(sheet.legend.length, 2);
+  assert.ok(sheet.legend.every(({ y }) => y < sheet.height));
 });

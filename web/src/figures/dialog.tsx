@@ -11,7 +11,7 @@ import { Dialog, DialogHead } from "../widgets/dialog";
 import { Icon } from "../widgets/icons";
 import { type Option, Select } from "../widgets/select";
 import { make_figure, name_of, preview_of, standard_title } from "./figure";
-import { type FigureOptions, STANDARD, type Subject, UNITS, fault_of, pixels_of } from "./options";
+import { type FigureOptions, STANDARD, type Subject, UNITS, fault_of, has_space, pixels_of } from "./options";
 import "./figures.css";
 
 const PREVIEW = 460; // CSS pixels
@@ -24,6 +24,8 @@ const SUBJECTS: readonly Option<Subject>[] = [
   { value: "y", label: "slice across y" },
   { value: "x", label: "slice across x" },
   { value: "3d", label: "three dimensions" },
+  { value: "four", label: "all four views on one sheet" },
+  { value: "sides", label: "three dimensions, from four sides" },
 ];
 const CROPS: readonly Option<FigureOptions["crop"]>[] = [
   { value: "content", label: "to what isn't clear" },
@@ -106,7 +108,8 @@ function Content({ viewer }: { viewer: Viewer }) {
     choices.value = { ...choices.peek(), title: "", ...(layout !== "four" && { subject: layout }), ...(layout === "3d" && { format: "png" }) };
     return () => abort.current.abort();
   }, []);
-  const is_slice = options.subject !== "3d";
+  const is_slice = !has_space(options.subject);
+  const has_slices = options.subject === "four" || is_slice;
   const fault = fault_of(options);
   const save = async (event: Event) => {
     event.preventDefault();
@@ -125,7 +128,7 @@ function Content({ viewer }: { viewer: Viewer }) {
       <div class="figure-parts">
         <Preview viewer={viewer} options={options} />
         <div class="figure-choices">
-          <Choice label="What" value={options.subject} list={SUBJECTS} set={(subject) => set({ subject, ...(subject === "3d" && { format: "png" }) })} />
+          <Choice label="What" value={options.subject} list={SUBJECTS} set={(subject) => set({ subject, ...(has_space(subject) && { format: "png" }) })} />
           <Choice
             label="Format"
             value={options.format}
@@ -153,8 +156,8 @@ function Content({ viewer }: { viewer: Viewer }) {
           <button type="button" class="button small" onClick={() => set({ title: standard_title(viewer, options) })}>
             Title from the view
           </button>
-          <Switch label="Axes with coordinates" on={options.axes && is_slice} disabled={!is_slice} set={(axes) => set({ axes })} />
-          <Switch label="Lines between cells" on={options.lines && is_slice} disabled={!is_slice} set={(lines) => set({ lines })} />
+          <Switch label="Axes with coordinates" on={options.axes} set={(axes) => set({ axes })} />
+          <Switch label="Lines between cells" on={options.lines && has_slices} disabled={!has_slices} set={(lines) => set({ lines })} />
           <Switch label="Scale bar" on={options.bar} set={(bar) => set({ bar })} />
           <Switch label="Legend of the materials that are seen" on={options.legend} set={(legend) => set({ legend })} />
         </div>

@@ -23,6 +23,12 @@ export interface Tick {
   readonly text: string;
 }
 
+export interface Place {
+  readonly x: number;
+  readonly y: number;
+  readonly entry: number;
+}
+
 export interface Layout {
   readonly width: number;
   readonly height: number;
@@ -31,7 +37,7 @@ export interface Layout {
   readonly across: readonly Tick[];
   readonly up: readonly Tick[];
   readonly names: { readonly across: number; readonly up: number } | null; // y of the one, x of the other
-  readonly legend: readonly { readonly x: number; readonly y: number; readonly entry: number }[];
+  readonly legend: readonly Place[];
 }
 
 interface Wish {
@@ -42,13 +48,13 @@ interface Wish {
   readonly legend: readonly string[];
 }
 
-export function ticks_of({ low, high }: Scale, length: number, every = ACROSS): Tick[] {
+export function ticks_of({ low, high }: Pick<Scale, "low" | "high">, length: number, every = ACROSS): Tick[] {
   const places = ticks(low, high, Math.max(1, Math.floor(length / every)));
   const step = places.length > 1 ? Math.abs(places[1]! - places[0]!) : high - low;
   return places.map((x) => ({ at: (x - low) / (high - low), text: coordinate(x, 10 * step) }));
 }
 
-export function laid_out({ width, aspect, title, axes, legend }: Wish, measure: (text: string) => number): Layout {
+export function laid_out({ width, aspect, title, axes, legend }: Wish, measure: Measure): Layout {
   const top = title ? TITLE + 10 : axes ? SIZE / 2 : 0;
   const up_ticks = (height: number) => (axes ? ticks_of(axes[1], height, UP) : []);
   const numbers = Math.max(0, ...up_ticks(width * aspect).map(({ text }) => measure(text)));
@@ -58,30 +64,61 @@ export function laid_out({ width, aspect, title, axes, legend }: Wish, measure: 
   let y = plot.y + plot.height;
   const across_name = y + TICK + GAP + SIZE + LINE / 2 + 1;
   if (axes) y += TICK + GAP + SIZE + LINE + 2;
-  const places: { x: number; y: number; entry: number }[] = [];
-  let x = plot.x;
-  if (legend.length > 0) y += 6;
-  legend.forEach((name, entry) => {
-    const wide = SIZE + 4 + measure(name) + 12;
-    if (x > plot.x && x + wide > width + 12) {
-      x = plot.x;
-      y += LINE;
-    }
-    places.push({ x, y: y + LINE / 2, entry });
-    x += wide;
-  });
-  if (legend.length > 0) y += LINE;
+  const entries = places_of(legend, plot.x, y, width, measure);
   return {
     width,
-    height: y + 2,
+    height: entries.bottom + 2,
     plot,
     title: title ? TITLE / 2 + 3 : null,
     across: axes ? ticks_of(axes[0], plot.width) : [],
     up: up_ticks(plot.height),
     names: axes ? { across: across_name, up: LINE / 2 } : null,
-    legend: places,
+    legend: entries.places,
   };
 }
+
+type Measure = (text: string) => number;
+
+// The entries of a legend, line by line.
+function places_of(legend: readonly string[], left: number, top: number, width: number, measure: Measure): { places: Place[]; bottom: number } {
+  if (legend.length === 0) return { places: [], bottom: top };
+  const places: Place[] = [];
+  let [x, y] = [left, top + 6];
+  legend.forEach((name, entry) => {
+    const wide = SIZE + 4 + measure(name) + 12;
+    if (x > left && x + wide > width + 12) {
+      x = left;
+      y += LINE;
+    }
+    places.push({ x, y: y + LINE / 2, entry });
+    x += wide;
+  });
+  return { places, bottom: y + LINE };
+}
+
+const [COLUMNS, GUTTER] = [2, 14];
+export const panel_width = (width: number, panels: number): number => (panels === 1 ? width : (width - GUTTER) / COLUMNS);
+
+// Several panels on one sheet, in rows of two, each with a heading of its own; below them one legend for all.
+export function laid_out_together(panels: readonly Pick<Wish, "aspect" | "axes">[], width: number, title: boolean, legend: readonly string[], measure: Measure) {
+  const each = panel_width(width, panels.length);
+  let top = title ? TITLE + 10 : 0;
+  const layouts: Layout[] = [];
+  for (let first = 0; first < panels.length; first += COLUMNS) {
+    const row = panels.slice(first, first + COLUMNS).map((panel) => laid_out({ ...panel, width: each, title: true, legend: [] }, measure));
+    row.forEach((layout, column) => layouts.push(moved(layout, column * (each + GUTTER), top)));
+    top += Math.max(...row.map(({ height }) => height)) + GUTTER / 2;
+  }
+  const { places, bottom } = places_of(legend, 0, top, width, measure);
+  return { width, height: bottom + 2, title: title ? TITLE / 2 + 3 : null, panels: layouts, legend: places };
+}
+
+const moved = (layout: Layout, dx: number, dy: number): Layout => ({
+  ...layout,
+  plot: { ...layout.plot, x: layout.plot.x + dx, y: layout.plot.y + dy },
+  title: layout.title === null ? null : layout.title + dy,
+  names: layout.names && { across: layout.names.across + dy, up: layout.names.up + dx },
+});
 
 const LEAST_CELL = 1.5; // points: smaller cells get no lines
 

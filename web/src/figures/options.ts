@@ -1,10 +1,11 @@
 // What a figure shows, and how large it is. Pure.
-export type Subject = "x" | "y" | "z" | "3d";
+export type Subject = "x" | "y" | "z" | "3d" | "four" | "sides"; // four: the slices and the view in 3D; sides: that view from four directions
+export const has_space = (subject: Subject): subject is "3d" | "four" | "sides" => !["x", "y", "z"].includes(subject);
 export const UNITS = ["mm", "in", "px"] as const;
 
 export interface FigureOptions {
   readonly subject: Subject;
-  readonly format: "png" | "svg"; // slices alone can be SVG
+  readonly format: "png" | "svg"; // a slice alone can be SVG
   readonly width: number;
   readonly unit: (typeof UNITS)[number];
   readonly dpi: number; // dots per inch
@@ -48,7 +49,7 @@ export function fault_of(options: FigureOptions): string | null {
   const { width, dpi, subject, format } = options;
   if (!(dpi >= LEAST_DPI && dpi <= MOST_DPI)) return `Dots per inch: ${LEAST_DPI} to ${MOST_DPI}.`;
   if (!(width > 0)) return "The width must be above 0.";
-  if (subject === "3d" && format === "svg") return "The picture in three dimensions is made of pixels: choose PNG.";
+  if (has_space(subject) && format === "svg") return "The picture in three dimensions is made of pixels: choose PNG.";
   const pixels = pixels_of(options);
   if (format === "svg" && points_of(options) > WIDEST_PAGE) return "The figure would be wider than 3.5 metres.";
   if (format === "svg" || (pixels >= NARROWEST && pixels <= WIDEST)) return null;
