@@ -78,7 +78,13 @@ const panel = (page) => page.locator("#panel-content").innerText();
 // Whether a page shows what the page of the server shows, also after it was moved.
 async function expect_as_served(page, grid) {
   const served = await open_grid(browser, `${server.url}#g=${grid}`);
-  for (const move of [() => {}, (t) => t.viewer.set_slice(2, 40), (t) => (t.viewer.zoom.value *= 6)]) {
+  // How soon a page knows where to look first is no matter of these tests.
+  const all = (t) => {
+    t.viewer.set_cell(t.viewer.cells.map((n) => n >> 1));
+    t.viewer.centre.value = t.viewer.middle();
+    t.viewer.zoom.value = 0;
+  };
+  for (const move of [all, (t) => t.viewer.set_slice(2, 40), (t) => (t.viewer.zoom.value *= 6)]) {
     for (const one of [page, served]) {
       await one.evaluate(`(${move})(window.teracell)`);
       await settled(one);
@@ -160,12 +166,62 @@ test("one HTML file opens from a disk, without a network", async () => {
   await close(page);
 });
 
+test("in one HTML file there are the tree of parts, mixed cells with their planes, leaves and thickness, as served", async () => {
+  const file = join(folder, "parts.html");
+  teracell("page", grid_file("parts"), "-o", file);
+  const page = await open_page(browser, "about:blank");
+  await page.context().setOffline(true);
+  const hash = "#g=parts&at=3,3,3&layout=z&shares=1&leaves=1&refine=3,1";
+  await page.goto(pathToFileURL(file).href + hash);
+  const served = await open_grid(browser, `${server.url}${hash}`);
+  for (const one of [page, served]) await settled(one);
+  const slice = async (one) => Buffer.from((await pixels(one, "z")).data.buffer).toString("base64");
+  assert.equal(await slice(page), await slice(served));
+  for (const [tab, said] of [["bodies", "car"], ["leaves", "leaves"]]) {
+    for (const one of [page, served]) {
+      await one.click(`#tab-${tab}`);
+      await one.waitForFunction((word) => document.querySelector("#panel-content").innerText.includes(word), said);
+      await one.waitForFunction(() => /\d/.test(document.querySelector("#panel-content").innerText) && !document.querySelector("#panel-content [aria-busy=true]"));
+    }
+    await page.waitForTimeout(500);
+    assert.equal(await panel(page), await panel(served), tab);
+  }
+  // The shares of a mixed cell and its plane, beside the pointer.
+  const [mixed] = await served.evaluate(async () => {
+    for (let i = 0; i < 12; ++i)
+      for (let j = 0; j < 12; ++j) {
+        const cell = await (await fetch(`api/v1/grids/parts/cell?i=${i}&j=${j}&k=3`)).json();
+        if (cell.plane) return [cell.index];
+      }
+    return [];
+  });
+  assert.ok(mixed, "no cell is mixed");
+  const cut = async (one) => {
+    await one.evaluate((cell) => (teracell.viewer.hover.value = { axis: 2, cell, point: teracell.viewer.centre_of(cell), labels: null }), mixed);
+    return (await one.waitForFunction(() => teracell.viewer.cut.value)).jsonValue();
+  };
+  assert.deepEqual(await cut(page), await cut(served));
+  for (const one of [page, served]) {
+    await one.evaluate(() => (teracell.viewer.layout.value = "3d"));
+    await one.waitForSelector('.overview[data-state="sharp"]');
+    const { left, top, width, height } = await one.locator(".overview > canvas").evaluate((e) => e.getBoundingClientRect().toJSON());
+    await one.keyboard.down("Shift");
+    await one.mouse.click(left + 0.45 * width, top + 0.55 * height);
+    await one.keyboard.up("Shift");
+    await one.waitForFunction(() => teracell.viewer.measures.value.length === 1);
+  }
+  const measures = (one) => one.evaluate(() => teracell.viewer.measures.value);
+  assert.deepEqual(await measures(page), await measures(served));
+  await close(page);
+  await close(served);
+});
+
 test("one HTML file opens in Firefox", { skip: !existsSync("/usr/bin/firefox-esr") && "firefox-esr is not installed" }, async () => {
   const firefox = await _bidiFirefox.launch({ executablePath: "/usr/bin/firefox-esr" });
   const page = await firefox.newPage({ viewport: { width: 1400, height: 900 } });
-  await page.goto(pathToFileURL(join(folder, "stadium.html")).href);
+  await page.goto(`${pathToFileURL(join(folder, "stadium.html")).href}#g=stadium&at=9,9,9`);
   await page.waitForFunction(() => window.teracell?.idle() === true, null, { polling: 100 });
-  const served = await open_grid(browser, `${server.url}#g=stadium`);
+  const served = await open_grid(browser, `${server.url}#g=stadium&at=9,9,9`);
   assert.deepEqual(await views(page), await views(served));
   await close(served);
   await firefox.close();
