@@ -27,9 +27,9 @@ Response answer_leaves(const GridRequest& r) {
   if (extension != ".bin") throw not_found(fmt::format("tiles of leaves are .bin, found '{}'", extension.substr(0, 48)));
   r.target.allow({"v", "refine", "want"});
   const Refinement refinement = refinement_of(r);
-  return r.answer({.route = "leaves", .content_type = "application/octet-stream", .compress = true, .make = [&r, view = view, refinement] {
+  return r.answer({.route = "leaves", .content_type = "application/octet-stream", .compress = true, .make = [&r, tile = view, refinement] {
                      const auto levels =
-                         refined(r, refinement)->with(cells_below(view), [&](const Leaves& leaves) { return leaf_levels(leaves, view); });
+                         refined(r, refinement)->with(cells_below(tile), [&](const Leaves& leaves) { return leaf_levels(leaves, tile); });
                      return std::string(levels.begin(), levels.end());
                    }});
 }

@@ -17,8 +17,8 @@ Response answer_tile(const GridRequest& r) {
     if (bodies && !sets) throw bad_request("bodies: expected sets=1 beside it");
     if (shares && !sets) throw bad_request("shares: expected sets=1 beside it");
     return r.answer(
-        {.route = "tile_bin", .content_type = "application/octet-stream", .compress = true, .make = [&r, view = view, sets, bodies, shares] {
-           return bodies ? raw_label_sets(r.reader(), view, shares) : sets ? raw_sets(r.reader(), view, shares) : raw_labels(r.reader(), view);
+        {.route = "tile_bin", .content_type = "application/octet-stream", .compress = true, .make = [&r, tile = view, sets, bodies, shares] {
+           return bodies ? raw_label_sets(r.reader(), tile, shares) : sets ? raw_sets(r.reader(), tile, shares) : raw_labels(r.reader(), tile);
          }});
   }
   if (extension != ".png") throw not_found(fmt::format("tiles are .png or .bin, found '{}'", extension.substr(0, 48)));

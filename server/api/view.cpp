@@ -100,8 +100,9 @@ std::string point_json(const ServedGrid& grid, const Prepared& prepared, const R
 
 Response answer_view_json(const GridRequest& r) {
   const RenderOptions options = options_of(*r.grid, r.target, {"pixel"});
-  const auto [x, y] = pixel_of(r.target);
-  const auto make = [&r, options, x = x, y = y] { return point_json(*r.grid, *prepared_for(r, options), options, x, y); };
+  const auto make = [&r, options, pixel = pixel_of(r.target)] {
+    return point_json(*r.grid, *prepared_for(r, options), options, pixel.first, pixel.second);
+  };
   return r.answer({.route = "view_json", .content_type = kJsonType, .make = make});
 }
 

@@ -201,7 +201,7 @@ class Stadium {
     ring(solid, strip(3, 54, 16, roof, [](double d) { return roof(d) + 1; }));
     for (const auto& [d0, d1, depth] : {std::array{3.0, 4.4, 2.0}, {24.4, 25.6, 2.6}, {45.4, 46.6, 5.0}, {50.4, 52.0, 2.0}})
       ring(solid, strip(
-                      d0, d1, 1, [depth = depth](double d) { return roof(d) - depth; }, [](double d) { return roof(d) + 0.2; }));
+                      d0, d1, 1, [below = depth](double d) { return roof(d) - below; }, [](double d) { return roof(d) + 0.2; }));
 
     const Profile chord = strip(4, 53, 12, truss, [](double d) { return truss(d) + 0.9; });
     for (int bay = 0; bay < kBays; ++bay) {

@@ -186,9 +186,9 @@ TEST_CASE("the first visible cell of a line of sight is that of a search through
       // What is seen of a coarse cell is the first of its own cells; where the line meets none of them, before it is cut, the strongest of its
       // labels.
       const Mask set = set_of(cell);
-      const auto [fine_t, fine] = first_by_search(scene.grid, 0, sight, cuts, [&, cell = cell](const Index3& c) {
+      const auto [fine_t, fine] = first_by_search(scene.grid, 0, sight, cuts, [&, coarse = cell](const Index3& c) {
         for (int d = 0; d < 3; ++d)
-          if (c[d] >> level != cell[d]) return false;
+          if (c[d] >> level != coarse[d]) return false;
         return static_cast<bool>(shown[scene.at(c)]);
       });
       const bool several = (set & (set - 1)) != 0, meets = std::isfinite(fine_t) && is_whole(sight, t, fine_t, cuts);

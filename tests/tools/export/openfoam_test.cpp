@@ -205,11 +205,11 @@ TEST_CASE("More than 256 materials become patches whose names are words of OpenF
   const TempFolder folder;
   std::mt19937_64 random(11);
   const Index3 n{12, 11, 10};
-  constexpr uint32_t kLabels = 40;
+  constexpr uint32_t kManyLabels = 40;
   Metadata meta = random_meta(random, n, 700);
-  meta.labels.resize(kLabels);
-  for (uint32_t i = 1; i < kLabels; ++i) meta.labels[i].material = 700 - kLabels + i;
-  store_cells(folder / "g.tcell", meta, random_cells(random, n, kLabels));
+  meta.labels.resize(kManyLabels);
+  for (uint32_t i = 1; i < kManyLabels; ++i) meta.labels[i].material = 700 - kManyLabels + i;
+  store_cells(folder / "g.tcell", meta, random_cells(random, n, kManyLabels));
   const GridReader reader(folder / "g.tcell");
   export_case(reader, meta.grid.box(0), folder / "case");
   const Expected e(reader, 0, meta.grid.box(0), 1, {0});

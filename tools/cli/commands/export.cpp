@@ -143,7 +143,7 @@ Run setup_export(CLI::App& app) {
       options.try_emplace(option.name, option, std::vector<std::string>()).first->second.second.push_back(format.name);
   for (const auto& [name, option] : options) {
     const std::string help = fmt::format("{}: {}", fmt::join(option.second, ", "), option.first.help);
-    add_word(app, name, option.first.argument, help, [o, name = name](const std::string& value) { o->of_formats[name] = value; });
+    add_word(app, name, option.first.argument, help, [o, key = name](const std::string& value) { o->of_formats[key] = value; });
   }
   app.add_flag_callback(
       "--list", [] { throw CLI::CallForVersion(list_of_formats(), 0); }, "Print the formats and exit");
