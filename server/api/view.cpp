@@ -25,13 +25,14 @@ RenderOptions options_of(const ServedGrid& grid, const Target& target, std::init
   return parse_render_options([&](std::string_view name) { return target.find(name); }, grid.reader(), "");
 }
 
-std::shared_ptr<const Prepared> prepared_for(const GridRequest& r, const RenderOptions& options) {
+// "?damage=1": whether what can't be read is seen.
+std::shared_ptr<const Prepared> prepared_for(const GridRequest& r, const RenderOptions& options, bool damage = false) {
   const std::vector<bool> shown = shown_labels(r.meta(), options);
   const int level = options.aim.level.value_or(0);
-  std::string key = fmt::format("{} {} ", r.grid->number, level);
+  std::string key = fmt::format("{} {} {} ", r.grid->number, level, damage);
   for (const bool one : shown) key += one ? '1' : '0';
   return r.service.prepared().get(key, [&] {
-    auto prepared = std::make_shared<const Prepared>(r.reader(), shown, level, 1);
+    auto prepared = std::make_shared<const Prepared>(r.reader(), shown, level, 1, damage);
     const size_t bytes = prepared->memory();
     return std::pair(std::move(prepared), bytes);
   });
@@ -50,13 +51,13 @@ Response answer_view_png(const GridRequest& r) {
 }
 
 Response answer_view_bin(const GridRequest& r) {
-  const RenderOptions options = options_of(*r.grid, r.target, {"window", "quick"});
+  const RenderOptions options = options_of(*r.grid, r.target, {"window", "quick", "damage"});
   const PictureSize size = options.aim.camera.size;
   const PixelWindow asked = window_of(r.target, size.width, size.height);
   const Window window{asked.x0, asked.y0, asked.x1, asked.y1};
   check_size(r.service, "window", static_cast<uint64_t>(window.width()), static_cast<uint64_t>(window.height()));
-  const auto make = [&r, options, window, is_quick = switched_on(r.target, "quick")] {
-    return encode_sights(r.reader(), *prepared_for(r, options), options.aim, window, is_quick, 1, kQuietly);
+  const auto make = [&r, options, window, is_quick = switched_on(r.target, "quick"), damage = switched_on(r.target, "damage")] {
+    return encode_sights(r.reader(), *prepared_for(r, options, damage), options.aim, window, is_quick, 1, kQuietly);
   };
   return r.answer({.route = "view_bin", .content_type = "application/octet-stream", .compress = true, .make = make});
 }
@@ -85,11 +86,15 @@ std::string point_json(const ServedGrid& grid, const Prepared& prepared, const R
   out.begin_object().field("schema", 1).key("seen");
   if (const auto hit = seen_at(grid.reader(), prepared, options.aim, x, y)) {
     const Sight sight = options.aim.camera.sight(x, y);
-    const LabelInfo& label = meta.labels[hit->label];
-    out.begin_object().field("at", sight.from + sight.along * hit->t).field("cell", hit->cell).field("level", hit->level);
-    out.field("distance", hit->t).field("label", hit->label).field("material", label.material).key("body");
-    if (label.body.empty()) out.value(nullptr);
-    else out.value(label.body);
+    out.begin_object().field("at", sight.from + sight.along * hit->t).field("cell", hit->cell).field("level", hit->level).field("distance", hit->t);
+    if (hit->label == prepared.visible.damage()) {
+      out.key("label").value(nullptr).key("material").value(nullptr).key("body").value(nullptr);
+    } else {
+      const LabelInfo& label = meta.labels[hit->label];
+      out.field("label", hit->label).field("material", label.material).key("body");
+      if (label.body.empty()) out.value(nullptr);
+      else out.value(label.body);
+    }
     out.end_object();
   } else {
     out.value(nullptr);
@@ -99,9 +104,9 @@ std::string point_json(const ServedGrid& grid, const Prepared& prepared, const R
 }
 
 Response answer_view_json(const GridRequest& r) {
-  const RenderOptions options = options_of(*r.grid, r.target, {"pixel"});
-  const auto make = [&r, options, pixel = pixel_of(r.target)] {
-    return point_json(*r.grid, *prepared_for(r, options), options, pixel.first, pixel.second);
+  const RenderOptions options = options_of(*r.grid, r.target, {"pixel", "damage"});
+  const auto make = [&r, options, pixel = pixel_of(r.target), damage = switched_on(r.target, "damage")] {
+    return point_json(*r.grid, *prepared_for(r, options, damage), options, pixel.first, pixel.second);
   };
   return r.answer({.route = "view_json", .content_type = kJsonType, .make = make});
 }

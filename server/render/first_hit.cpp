@@ -141,13 +141,18 @@ bool FirstHits::descend(size_t rung, const Index3& cell, double t0, double t1) {
 bool FirstHits::take(size_t rung, const Index3& cell, double t0, double t1) {
   const uint32_t of = seen(rung, cell);
   if (of == 0) return false;
-  if (of == Visible::kSeveral && rung + 1 < rungs_.size()) {
+  const bool is_damaged = of == Visible::kDamaged;
+  if ((of == Visible::kSeveral || is_damaged) && rung + 1 < rungs_.size()) {
     to_the_end_ = true;
     const bool found = descend(rung, cell, t0, t1);
     to_the_end_ = false;
-    if (found) return true;
+    if (found || is_damaged) return found;  // what can't be read on one level may be known on the next one
   }
-  hit_ = Hit{t0, of == Visible::kSeveral ? strongest(rung, cell) : of - 1, face_of(rung, cell, t0), cell, rungs_[rung].level};
+  hit_ = Hit{t0,
+             is_damaged                ? subject_.visible.damage()
+             : of == Visible::kSeveral ? strongest(rung, cell)
+                                       : of - 1,
+             face_of(rung, cell, t0), cell, rungs_[rung].level};
   return true;
 }
 
@@ -194,14 +199,20 @@ const FirstHits::Known& FirstHits::known(size_t rung, const ChunkKey& key) {
   Known& out = kept_[place];
   if (out.key == key) return out;
   out = Known{};
-  if (const auto set = subject_.reader.uniform(key)) {
-    out.all = subject_.visible.of(*set);
-    out.set = *set;
-  } else {
-    out.chunk = subject_.reader.chunk(key, scratch_);
-    scratch_.reset();  // without a keeper it would be overwritten
-    const SetTable& sets = out.chunk->sets;
-    for (uint32_t id = sets.labels(); id < sets.ids(); ++id) out.of_sets.push_back(subject_.visible.of(sets.members(id)));
+  try {
+    if (const auto set = subject_.reader.uniform(key)) {
+      out.all = subject_.visible.of(*set);
+      out.set = *set;
+    } else {
+      out.chunk = subject_.reader.chunk(key, scratch_);
+      scratch_.reset();  // without a keeper it would be overwritten
+      const SetTable& sets = out.chunk->sets;
+      for (uint32_t id = sets.labels(); id < sets.ids(); ++id) out.of_sets.push_back(subject_.visible.of(sets.members(id)));
+    }
+  } catch (const FormatError&) {
+    if (!subject_.visible.shows_damage()) throw;
+    out = Known{};
+    out.all = Visible::kDamaged;
   }
   out.key = key;  // last, so that an error leaves nothing
   return out;

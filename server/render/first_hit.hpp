@@ -16,7 +16,7 @@ namespace teracell::server {
 
 struct Hit {
   double t;
-  Label label;
+  Label label;  // or Visible::damage()
   int face;     // the axis of the plane by which the line enters the cell; 3 + i: plane i of the cuts; -1: the line begins in the cell
   Index3 cell;  // of level `level`
   int level;

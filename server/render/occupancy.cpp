@@ -28,7 +28,11 @@ Occupancy::Occupancy(const GridReader& reader, const Visible& visible, int level
 
 void Occupancy::read(const GridReader& reader, const Visible& visible, int threads) {
   const LevelShape shape = reader.shape(first_);
-  reader.prefetch(first_, reader.meta().grid.box(first_));
+  try {
+    reader.prefetch(first_, reader.meta().grid.box(first_));
+  } catch (const FormatError&) {  // the chunks that can be read are read below
+    if (!visible.shows_damage()) throw;
+  }
   Bits& bits = levels_.front();
   std::vector<std::shared_ptr<Chunk>> scratch(threads);
   uint64_t next = 0;
@@ -48,20 +52,27 @@ void Occupancy::read(const GridReader& reader, const Visible& visible, int threa
           const auto ray_words = [&](uint32_t u, uint32_t v) {
             return &bits.words[((size_t{cv} * shape.chunk_rays + v) * bits.nu + size_t{cu} * shape.chunk_rays + u) * bits.per_ray];
           };
-          if (const auto set = reader.uniform(key)) {
-            if (visible.of(*set) == 0) continue;
+          const auto fill = [&] {
             for (uint32_t v = 0; v < shape.rays_v(cv); ++v)
               for (uint32_t u = 0; u < shape.rays_u(cu); ++u) set_bits(ray_words(u, v), w0, w0 + shape.length(segment));
-            continue;
+          };
+          try {
+            if (const auto set = reader.uniform(key)) {
+              if (visible.of(*set) != 0) fill();
+              continue;
+            }
+            const auto chunk = reader.chunk(key, scratch[worker]);
+            const RayBlock& rays = chunk->rays;
+            SetMemo<bool> known;
+            for (uint32_t ray = 0; ray < rays.rays(); ++ray)
+              rays.for_each_run(ray, [&](uint32_t from, uint32_t to, SetId set) {
+                if (known.get(set, [&] { return visible.of(chunk->sets.members(set)) != 0; }))
+                  set_bits(ray_words(ray % rays.nu, ray / rays.nu), w0 + from, w0 + to);
+              });
+          } catch (const FormatError&) {
+            if (!visible.shows_damage()) throw;
+            fill();
           }
-          const auto chunk = reader.chunk(key, scratch[worker]);
-          const RayBlock& rays = chunk->rays;
-          SetMemo<bool> known;
-          for (uint32_t ray = 0; ray < rays.rays(); ++ray)
-            rays.for_each_run(ray, [&](uint32_t from, uint32_t to, SetId set) {
-              if (known.get(set, [&] { return visible.of(chunk->sets.members(set)) != 0; }))
-                set_bits(ray_words(ray % rays.nu, ray / rays.nu), w0 + from, w0 + to);
-            });
         }
         return 0;
       },

@@ -46,7 +46,8 @@ struct Edge {
 
 class Encoder {
  public:
-  Encoder(size_t labels, int64_t width) : label_bytes_(labels < 0xFF ? 1 : labels < 0xFFFF ? 2 : 4), width_(static_cast<size_t>(width)) {}
+  // `labels`: without that of what can't be read.
+  Encoder(size_t labels, int64_t width) : label_bytes_(labels < 0xFE ? 1 : labels < 0xFFFE ? 2 : 4), width_(static_cast<size_t>(width)) {}
   int label_bytes() const { return label_bytes_; }
   void label(const Seen& s) {
     const uint32_t code = s.label == Sample::kNothing ? 0 : s.label + 1;

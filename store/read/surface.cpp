@@ -11,6 +11,7 @@ namespace teracell::inline store {
 namespace {
 
 constexpr double kReach = 6;           // of the widest side of the cell: how far around a normal is looked for
+constexpr int64_t kFlat = 3;            // cells around one that tell whether a surface is a plane along axes
 constexpr int64_t kMostAround = 48;    // cells to one side, where others are much thinner
 constexpr double kLeastTurned = 0.02;  // of what half a ball would have: with less the material is all around
 constexpr double kNearEntry = 1.5;     // widest sides: a line along a normal enters through the steps of a surface this near to the point
@@ -74,11 +75,34 @@ Vec3 towards(const GridReader& reader, const SetValue& value, uint32_t material,
   return all > 0 ? sum * (1 / all) : Vec3{0, 0, 0};
 }
 
+// Whether a side of the cell is part of a plane along axes: whatever of the cells around is in the grid, inside is the material, beyond is something
+// else.
+bool is_flat(const GridReader& reader, const SetValue& value, uint32_t material, const Index3& cell, int axis, int sign) {
+  const Grid& grid = reader.meta().grid;
+  for (const bool beyond : {false, true}) {
+    Box layer;
+    for (int d = 0; d < 3; ++d) {
+      const int64_t at = cell[d] + (d == axis && beyond ? sign : 0), reach = d == axis ? 0 : kFlat;
+      layer.lo[d] = std::max<int64_t>(at - reach, 0), layer.hi[d] = std::min(at + reach + 1, grid.axis[d].cells());
+      if (layer.lo[d] >= layer.hi[d]) return true;
+    }
+    const int64_t nx = layer.hi[0] - layer.lo[0], ny = layer.hi[1] - layer.lo[1], nz = layer.hi[2] - layer.lo[2];
+    std::vector<uint32_t> cells(static_cast<size_t>(nx * ny * nz));
+    read_box<uint32_t>(reader, 0, layer, value, 0, cells.data(), {1, nx, nx * ny});
+    if (!std::ranges::all_of(cells, [&](uint32_t m) { return (m == material) != beyond; })) return false;
+  }
+  return true;
+}
+
 // The normal of the side of the cell on which the point lies, if something else begins there, or the grid ends.
-std::optional<Vec3> side_normal(const GridReader& reader, const SetValue& value, uint32_t material, const Index3& cell, const Vec3& at) {
+struct Side {
+  Vec3 normal;
+  bool flat;
+};
+std::optional<Side> side_of(const GridReader& reader, const SetValue& value, uint32_t material, const Index3& cell, const Vec3& at) {
   const Grid& grid = reader.meta().grid;
   const Vec3 sides = cell_sides(grid, cell);
-  std::optional<Vec3> out;
+  std::optional<Side> out;
   double nearest = 0.01;  // of a side
   for (int d = 0; d < 3; ++d)
     for (const int sign : {-1, 1}) {
@@ -88,8 +112,8 @@ std::optional<Vec3> side_normal(const GridReader& reader, const SetValue& value,
       beyond[d] += sign;
       if (beyond[d] >= 0 && beyond[d] < grid.axis[d].cells() && material_of(reader, value, beyond) == material) continue;
       nearest = away;
-      out = Vec3{0, 0, 0};
-      (*out)[d] = sign;
+      out = Side{{0, 0, 0}, is_flat(reader, value, material, cell, d, sign)};
+      out->normal[d] = sign;
     }
   return out;
 }
@@ -107,11 +131,11 @@ std::optional<Thick> thickness_at(const GridReader& reader, const Index3& cell, 
   const Grid& grid = reader.meta().grid;
   const SetValue value = strongest_material(reader.meta());
   const uint32_t material = material_of(reader, value, cell);
-  const Vec3 inwards = towards(reader, value, material, cell, at);
+  const auto side = side_of(reader, value, material, cell, at);
+  const Vec3 inwards = side && side->flat ? Vec3{0, 0, 0} : towards(reader, value, material, cell, at);
   const double turned = length(inwards);
-  const auto side = side_normal(reader, value, material, cell, at);
   if (!side && turned < kLeastTurned) return std::nullopt;
-  const Vec3 normal = turned < kLeastTurned ? *side : inwards * (-1 / turned);
+  const Vec3 normal = turned < kLeastTurned ? side->normal : inwards * (-1 / turned);
   const double step = longest(cell_sides(grid, cell));
   const Vec3 from = at + normal * step;
   double across = 0;  // of the grid

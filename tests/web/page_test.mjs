@@ -352,6 +352,16 @@ test("a damaged file: the parts that can't be read are striped, a message says s
   assert.ok(healthy > 0 && striped > 0, `${healthy} whole tiles, ${striped} damaged ones`);
   assert.ok(tiles >= striped);
   assert.ok(shares(found.data).size >= 4, "stripes have two colours, but the rest must show more");
+  // In three dimensions as well.
+  await page.evaluate(() => {
+    teracell.viewer.bodies.value = "whole";
+    teracell.viewer.layout.value = "3d";
+  });
+  await page.waitForSelector('.overview[data-state="sharp"]');
+  await page.getByText("A part of the file can't be read. It is striped here.").waitFor();
+  const picture = await screenshot(page, "damaged-3d");
+  const orange = picture.data.filter((pixel) => (pixel & 255) > 120 && ((pixel >> 8) & 255) < 90 && ((pixel >> 16) & 255) < 60).length;
+  assert.ok(orange > 2000, `${orange} pixels are of a stripe`);
   await close(page);
   const told = await damaged.stop((line) => line.startsWith("teracell: ") || JSON.parse(line).status === 500);
   assert.deepEqual(told, []);

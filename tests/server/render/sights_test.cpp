@@ -164,6 +164,52 @@ TEST_CASE("the windows of a picture, side by side, are the picture; threads make
   CHECK(quick.label == all.label);
 }
 
+TEST_CASE("what can't be read is seen where it lies, as a label of its own, and all else as it is", "[render]") {
+  std::mt19937_64 random(1913);
+  for (int round = 0; round < 6; ++round) {
+    const Grid grid = cube_grid(-1, 2, 24);
+    const auto meta = [&](uint32_t labels) { return with_tiny_chunks(metadata_of(grid, round % 3, labels)); };
+    std::vector<Label> cells = random_cells(random, grid.cells(), 3);
+    for (Label& cell : cells) cell = random() % 4 ? 0 : cell;
+    Bytes bytes = stored_cells(meta(3), cells);
+    const GridReader sound = reader_of(bytes);
+    const LevelShape shape = sound.shape(0);
+    ChunkKey key{0, 0, 0, 0};
+    for (int tries = 0; sound.entry(key)->size == 0 && tries < 1000; ++tries)
+      key = {0, static_cast<uint32_t>(random() % shape.chunks_u), static_cast<uint32_t>(random() % shape.chunks_v),
+             static_cast<uint32_t>(random() % shape.segments)};
+    const auto entry = sound.entry(key);
+    REQUIRE(entry->size > 0);
+    bytes[entry->offset + entry->size / 2] ^= 1;
+    const GridReader damaged = reader_of(bytes);
+    // The same where all of the chunk is a label that is there nowhere else.
+    const RayFrame frame = sound.meta().frame();
+    for (size_t i = 0; i < cells.size(); ++i) {
+      const std::array<uint32_t, 3> at = {static_cast<uint32_t>(i % 24), static_cast<uint32_t>(i / 24 % 24), static_cast<uint32_t>(i / 576)};
+      if (at[frame.u] / shape.chunk_rays == key.cu && at[frame.v] / shape.chunk_rays == key.cv && at[frame.w] / shape.chunk_cells == key.segment)
+        cells[i] = 3;
+    }
+    const GridReader filled = reader_of(meta(4), cells);
+    const RenderOptions options = options_of(sound, {{"size", "60,50"}, {"level", "0"}});
+    const Prepared prepared(damaged, {false, true, true}, 0, 1, true), expected(filled, {false, true, true, true}, 0, 1);
+    REQUIRE(prepared.visible.damage() == 3);
+    int seen = 0;
+    for (double y = 0.5; y < 50; ++y)
+      for (double x = 0.5; x < 60; ++x) {
+        const auto hit = seen_at(damaged, prepared, options.aim, x, y), other = seen_at(filled, expected, options.aim, x, y);
+        REQUIRE(hit.has_value() == other.has_value());
+        if (!hit) continue;
+        REQUIRE(hit->label == other->label);
+        REQUIRE(hit->t == other->t);
+        REQUIRE(hit->cell == other->cell);
+        seen += hit->label == 3;
+      }
+    const Decoded numbers = decoded(encode_sights(damaged, prepared, options.aim, {0, 0, 60, 50}, true, 2, [](double) {}), true);
+    CHECK(std::ranges::count(numbers.label, 4u) == seen);
+    CHECK_THROWS_AS(Prepared(damaged, {false, true, true}, 0, 1), FormatError);
+  }
+}
+
 TEST_CASE("nothing in sight, and an eye inside a body", "[render]") {
   const GridReader reader = reader_of(metadata_of(cube_grid(0, 1, 8), 0, 2), std::vector<Label>(512, 1));
   for (const auto& [words, label] : std::vector<std::pair<std::map<std::string, std::string, std::less<>>, uint32_t>>{

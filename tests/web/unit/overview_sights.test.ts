@@ -69,6 +69,7 @@ const palette = (opacity: readonly number[], substance: Substance = "clear"): Pa
   squares: Float32Array.from(opacity.flatMap((_, label) => [label === 0 ? 1 : 0, label === 1 ? 1 : 0, label === 2 ? 1 : 0])),
   opacity: Float32Array.from(opacity),
   veil: new Uint8Array(opacity.length).fill(VEILS.indexOf(substance)),
+  damaged: opacity.length,
 });
 const sights_of = (pixels: readonly (readonly number[])[], edges = {}): Sights => decode_sights(encoded(pixels.length, pixels, edges), 1);
 const pixel = (pixels: Uint8Array, i: number) => [...pixels.subarray(4 * i, 4 * i + 4)];
@@ -139,7 +140,7 @@ test("opaque materials share a layer, clear ones have one each as long as they a
   const layers = layers_of(sight(many, "whole"));
   assert.equal(layers.length, 7);
   assert.deepEqual(layers.flat(), many.map((_, i) => i));
-  assert.deepEqual([...palette_of(sight(looks.slice(0, 3), "cut")).opacity], [0, 1, 0.5]);
+  assert.deepEqual([...palette_of(sight(looks.slice(0, 3), "cut")).opacity], [0, 1, 0.5, 1, 1], "what can't be read is opaque");
 });
 
 test("a frame is put together from parts, and a pixel's point is seen at that pixel", () => {

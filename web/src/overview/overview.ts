@@ -7,7 +7,6 @@
 // picture is drawn as points in space, until the next one has come.
 import { effect, untracked } from "@preact/signals";
 import { words_of } from "../base/messages";
-import { ServerError } from "../server/api";
 import { returned } from "../server/connection";
 import { on_theme } from "../state/theme";
 import type { Viewer } from "../state/viewer";
@@ -108,9 +107,7 @@ class Overview {
       failed: (error) => {
         chrome.root.dataset.state = "failed";
         chrome.busy.textContent = "";
-        const damaged = error instanceof ServerError && error.code === "damaged";
-        const what = damaged ? "The overview needs a part of the file that can't be read; the slices show the others" : "What is seen could not be loaded";
-        chrome.say(`${what}: ${words_of(error)}.`, () => this.ask_again());
+        chrome.say(`What is seen could not be loaded: ${words_of(error)}.`, () => this.ask_again());
       },
     });
     this.hover = new Hover(
@@ -118,7 +115,7 @@ class Overview {
       (x, y, signal) => this.seen_at(x, y, signal),
       (seen) => {
         const hover = viewer.hover.peek();
-        if (seen) viewer.hover.value = { axis: null, cell: seen.cell, point: [...seen.at], labels: [viewer.keeps_bodies ? seen.label : seen.material] };
+        if (seen) viewer.hover.value = { axis: null, cell: seen.cell, point: [...seen.at], labels: seen.label === null ? null : [viewer.keeps_bodies ? seen.label : seen.material!] };
         else if (hover?.axis === null) viewer.hover.value = null;
       },
     );
@@ -225,7 +222,8 @@ class Overview {
   private came(state: "ready" | "sharp"): void {
     this.chrome.root.dataset.state = state;
     this.chrome.busy.textContent = "";
-    this.chrome.say("");
+    const is_damaged = state === "sharp" && this.stage.shown?.label.includes(this.subject.unreadable() + 1);
+    this.chrome.say(is_damaged ? "A part of the file can't be read. It is striped here." : "");
     this.pace.soon();
   }
 

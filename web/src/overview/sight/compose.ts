@@ -10,11 +10,16 @@ export const VEILS: readonly Substance[] = ["solid", "clear", "glass", "faint"];
 const GLASS = { facing: 0.4, glancing: 0.88 };
 const FAINT = { facing: 0.05, glancing: 0.4 };
 
-// How each label looks.
+// What can't be read is striped, as in slices.
+export const STRIPES = [[194, 65, 12], [255, 255, 255]] as const;
+const STRIPE = 4; // pixels
+
+// How each label looks. After the last one there are both stripes of what can't be read.
 export interface Palette {
   readonly squares: Float32Array; // of the colour's three parts, 0 to 1
   readonly opacity: Float32Array; // 0 to 1
   readonly veil: Uint8Array; // what it is made of, as a place in VEILS
+  readonly damaged: number; // the label of what can't be read
 }
 
 // Of a substance, by the cosine of the angle between the normal and the line of sight.
@@ -33,6 +38,11 @@ export interface Colored {
   readonly label: Uint32Array; // of the nearest layer, plus 1; 0: nothing
 }
 
+// The entry of a palette for a label at a pixel of a picture.
+function entry_of(label: number, pixel: number, width: number, { damaged }: Palette): number {
+  return label < damaged ? label : damaged + ((Math.floor((pixel % width) + pixel / width) / STRIPE) & 1);
+}
+
 // Adds a colour to `to`, premultiplied, 0 to 255 each.
 function add_color(to: Float64Array, label: number, own: number, added: number, facing: number, { squares, opacity, veil }: Palette, share: number): void {
   if (label === 0) return;
@@ -48,17 +58,18 @@ function color_layer(sights: Sights, palette: Palette): Uint8Array {
   const { label, own, added, facing, edges } = sights;
   const out = new Uint8Array(4 * label.length);
   const sum = new Float64Array(4);
+  const code = (of: number, pixel: number) => (of === 0 ? 0 : 1 + entry_of(of - 1, pixel, sights.width, palette));
   const put = (at: number) => {
     for (let c = 0; c < 4; ++c) out[4 * at + c] = Math.round(sum[c]!);
     sum.fill(0);
   };
   for (let i = 0; i < label.length; ++i) {
     if (label[i] === 0) continue;
-    add_color(sum, label[i]!, own[i]!, added[i]!, facing[i]!, palette, 1);
+    add_color(sum, code(label[i]!, i), own[i]!, added[i]!, facing[i]!, palette, 1);
     put(i);
   }
   edges.at.forEach((at, e) => {
-    for (let i = 4 * e; i < 4 * e + 4; ++i) add_color(sum, edges.label[i]!, edges.own[i]!, edges.added[i]!, edges.facing[i]!, palette, 0.25);
+    for (let i = 4 * e; i < 4 * e + 4; ++i) add_color(sum, code(edges.label[i]!, at), edges.own[i]!, edges.added[i]!, edges.facing[i]!, palette, 0.25);
     put(at);
   });
   return out;

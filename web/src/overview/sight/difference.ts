@@ -4,20 +4,20 @@
 import type { Axis } from "../../base/axis";
 import { AXES } from "../../base/grid";
 import { rgb_of_color } from "../../base/materials";
-import { type Palette, VEILS, compose } from "./compose";
+import { type Palette, STRIPES, VEILS, compose } from "./compose";
 import { type Get, camera_query, cut_of, fetch_layers, fetch_seen } from "./query";
-import type { Sighting, SightSubject } from "./subject";
+import { type Sighting, type SightSubject, UNREADABLE } from "./subject";
 import type { Sights } from "./sights";
 import type { Space } from "../space/space";
 import type { Viewer } from "../../state/viewer";
 
 // Labels of what is merged.
-const [SAME, REMOVED, ADDED] = [0, 1, 2];
-const WORDS = ["in both", "removed", "added"];
+const [SAME, REMOVED, ADDED, DAMAGED] = [0, 1, 2, 3];
+const WORDS = ["in both", "removed", "added", UNREADABLE];
 const MOST_ALONE = 5; // materials that have a layer of their own
 
-// `slack`: how far from each other two surfaces may lie that are the same one; besides what distances are rounded by.
-export function merged(a: Sights, b: Sights, slack: number): Sights {
+// `damaged`: the labels of what can't be read. `slack`: how far from each other two surfaces may lie that are the same one; besides what distances are rounded by.
+export function merged(a: Sights, b: Sights, damaged: readonly [number, number], slack: number): Sights {
   const n = a.width * a.height;
   const label = new Uint8Array(n);
   const [far, own, added, facing] = [new Float32Array(n), new Uint8Array(n), new Uint8Array(n), new Uint8Array(n)];
@@ -29,8 +29,9 @@ export function merged(a: Sights, b: Sights, slack: number): Sights {
     const [p, q] = [has_a ? a.far[i]! : Infinity, has_b ? b.far[i]! : Infinity];
     const is_same = has_a && has_b && Math.abs(p - q) <= slack + rounding * Math.min(p, q);
     from_b[i] = Number(q < p);
-    label[i] = 1 + (is_same ? SAME : q < p ? ADDED : REMOVED);
     const source = from_b[i] ? b : a;
+    const is_damaged = source.label[i] === 1 + damaged[from_b[i] as 0 | 1];
+    label[i] = 1 + (is_damaged ? DAMAGED : is_same ? SAME : q < p ? ADDED : REMOVED);
     far[i] = source.far[i]!;
     own[i] = source.own[i]!;
     added[i] = source.added[i]!;
@@ -84,8 +85,8 @@ function slack_of(left: Viewer, right: Viewer, space: Space): number {
 // In the colours of the style sheet.
 function palette_in(root: HTMLElement): Palette {
   const style = getComputedStyle(root);
-  const squares = [[128, 134, 144], ...["--removed", "--added"].map((name) => rgb_of_color(style.getPropertyValue(name).trim()))].flat().map((c) => (c / 255) ** 2);
-  return { squares: Float32Array.from(squares), opacity: Float32Array.of(1, 1, 1), veil: Uint8Array.of(VEILS.indexOf("faint"), VEILS.indexOf("solid"), VEILS.indexOf("solid")) };
+  const squares = [[128, 134, 144], ...["--removed", "--added"].map((name) => rgb_of_color(style.getPropertyValue(name).trim())), ...STRIPES].flat().map((c) => (c / 255) ** 2);
+  return { squares: Float32Array.from(squares), opacity: new Float32Array(5).fill(1), veil: Uint8Array.from(["faint", "solid", "solid", "solid", "solid"] as const, (one) => VEILS.indexOf(one)), damaged: DAMAGED };
 }
 
 export function difference_of(left: Viewer, right: Viewer, space: Space): SightSubject {
@@ -99,7 +100,7 @@ export function difference_of(left: Viewer, right: Viewer, space: Space): SightS
       const pairs = paired_layers(left, right);
       const of = (side: 0 | 1) => fetch_layers(sides[side], space, pairs.map((pair) => pair[side]), query(side, from) + more, get);
       const [a, b] = await Promise.all([of(0), of(1)]);
-      return a.map((layer, n) => merged(layer, b[n]!, slack));
+      return a.map((layer, n) => merged(layer, b[n]!, [left.labels.length, right.labels.length], slack));
     },
     color: (layers) => compose(layers, palette_in(document.documentElement)),
     seen_at: async (from, x, y, signal) => {
@@ -107,12 +108,13 @@ export function difference_of(left: Viewer, right: Viewer, space: Space): SightS
       const found = await Promise.all(
         ([0, 1] as const).map(async (side) => {
           const seen = await fetch_seen(sides[side], pairs.flatMap((pair) => pair[side]).sort((p, q) => p - q), query(side, from), x, y, signal);
-          return seen && { ...seen, name: `${sides[side].name_of(seen.label)} in ${sides[side].info.id}` };
+          return seen && { ...seen, name: `${seen.label === null ? UNREADABLE : sides[side].name_of(seen.label)} in ${sides[side].info.id}` };
         }),
       );
       const nearest = Math.min(...found.map((seen) => seen?.distance ?? Infinity));
       return found.find((seen) => seen?.distance === nearest) ?? null;
     },
+    unreadable: () => DAMAGED,
     name_of: (label) => WORDS[label]!,
   };
 }

@@ -2,7 +2,7 @@
 // each material, as long as these are few; what is faint has one. Pure.
 import type { LabelLook } from "../../base/materials";
 import type { BodyMode } from "../../state/viewer";
-import { type Palette, type Substance, VEILS } from "./compose";
+import { type Palette, STRIPES, type Substance, VEILS } from "./compose";
 
 const MOST_CLEAR = 6; // layers
 
@@ -41,13 +41,15 @@ export function layers_of(sight: Sight): number[][] {
 
 export function palette_of(sight: Sight): Palette {
   const { looks } = sight;
-  const squares = new Float32Array(3 * looks.length);
-  const opacity = new Float32Array(looks.length);
-  const veil = new Uint8Array(looks.length);
+  const all = looks.length + STRIPES.length;
+  const squares = new Float32Array(3 * all);
+  const opacity = new Float32Array(all).fill(1);
+  const veil = new Uint8Array(all); // solid
+  STRIPES.flat().forEach((c, i) => (squares[3 * looks.length + i] = (c / 255) ** 2));
   looks.forEach((look, label) => {
     look.color.forEach((c, i) => (squares[3 * label + i] = (c / 255) ** 2));
     opacity[label] = look.opacity;
     veil[label] = VEILS.indexOf(substance_of(sight, label) ?? "solid");
   });
-  return { squares, opacity, veil };
+  return { squares, opacity, veil, damaged: looks.length };
 }

@@ -37,7 +37,7 @@ export type Get = (address: string) => Promise<Response>;
 export const fetch_layers = (viewer: Viewer, space: Space, layers: readonly (readonly number[])[], query: string, get: Get): Promise<Sights[]> =>
   Promise.all(
     (layers.length ? layers : [[]]).map(async (labels) => {
-      const response = await get(viewer.address.view("bin", `${query}&labels=${ranges(labels)}`));
+      const response = await get(viewer.address.view("bin", `${query}&labels=${ranges(labels)}&damage=1`));
       return decode_sights(await response.arrayBuffer(), space.scale / to_file(viewer));
     }),
   );
@@ -47,12 +47,12 @@ export interface Seen {
   readonly at: readonly [number, number, number];
   readonly cell: Index3;
   readonly distance: number;
-  readonly label: number;
-  readonly material: number;
+  readonly label: number | null; // null: it can't be read
+  readonly material: number | null;
   readonly body: string | null;
 }
 export async function fetch_seen(viewer: Viewer, labels: readonly number[], query: string, x: number, y: number, signal: AbortSignal): Promise<Seen | null> {
-  const { seen } = await get_json<{ seen: Seen | null }>(viewer.address.view("json", `${query}&labels=${ranges(labels)}&level=0&pixel=${x},${y}`), signal);
+  const { seen } = await get_json<{ seen: Seen | null }>(viewer.address.view("json", `${query}&labels=${ranges(labels)}&level=0&damage=1&pixel=${x},${y}`), signal);
   const shown = (length: number) => length / to_file(viewer);
   return seen && { ...seen, at: seen.at.map(shown) as [number, number, number], distance: shown(seen.distance) };
 }

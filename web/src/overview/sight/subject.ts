@@ -23,7 +23,10 @@ export interface SightSubject {
   color(layers: readonly Sights[]): Colored;
   seen_at(from: Sighting, x: number, y: number, signal: AbortSignal): Promise<(Seen & { readonly name: string }) | null>; // of single cells
   name_of(label: number): string; // of a layer
+  unreadable(): number; // the label of what can't be read
 }
+
+export const UNREADABLE = "can't be read";
 
 export function bodies_of(viewer: Viewer, space: Space): SightSubject {
   const layers = () => layers_of(sight_of(viewer));
@@ -35,8 +38,9 @@ export function bodies_of(viewer: Viewer, space: Space): SightSubject {
     color: (seen) => compose(seen, palette_of(sight_of(viewer))),
     seen_at: async (from, x, y, signal) => {
       const seen = await fetch_seen(viewer, layers().flat().sort((a, b) => a - b), query(from), x, y, signal);
-      return seen && { ...seen, name: viewer.name_of(seen.label) };
+      return seen && { ...seen, name: seen.label === null ? UNREADABLE : viewer.name_of(seen.label) };
     },
-    name_of: (label) => viewer.name_of(label),
+    unreadable: () => viewer.labels.length,
+    name_of: (label) => (label === viewer.labels.length ? UNREADABLE : viewer.name_of(label)),
   };
 }
