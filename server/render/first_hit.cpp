@@ -112,7 +112,11 @@ bool FirstHits::is_drawn(size_t rung, double t) const {
 
 // Looks for the first visible cell in an occupied one, through which the line goes from t0 to t1.
 bool FirstHits::descend(size_t rung, const Index3& cell, double t0, double t1) {
-  if (is_drawn(rung, t0)) return take(rung, cell, t0, t1);
+  return is_drawn(rung, t0) ? take(rung, cell, t0, t1) : pass(rung, cell, t0, t1);
+}
+
+// Looks for it among the finer cells.
+bool FirstHits::pass(size_t rung, const Index3& cell, double t0, double t1) {
   const int level = rungs_[rung + 1].level, shift = rungs_[rung].level - level;
   Index3 at, last, step;
   Vec3 leave;
@@ -141,12 +145,13 @@ bool FirstHits::descend(size_t rung, const Index3& cell, double t0, double t1) {
 bool FirstHits::take(size_t rung, const Index3& cell, double t0, double t1) {
   const uint32_t of = seen(rung, cell);
   if (of == 0) return false;
-  const bool is_damaged = of == Visible::kDamaged;
-  if ((of == Visible::kSeveral || is_damaged) && rung + 1 < rungs_.size()) {
+  const bool is_damaged = of == Visible::kDamaged, is_last = rung + 1 == rungs_.size();
+  if (is_damaged && !is_last) return pass(rung, cell, t0, t1);  // what can't be read on one level may be known on the next one
+  if (of == Visible::kSeveral && !is_last) {
     to_the_end_ = true;
     const bool found = descend(rung, cell, t0, t1);
     to_the_end_ = false;
-    if (found || is_damaged) return found;  // what can't be read on one level may be known on the next one
+    if (found) return true;
   }
   hit_ = Hit{t0,
              is_damaged                ? subject_.visible.damage()

@@ -62,6 +62,7 @@ class FirstHits {
   void clip();
   void remove(const Cut& cut, int plane);
   bool descend(size_t rung, const Index3& cell, double t0, double t1);
+  bool pass(size_t rung, const Index3& cell, double t0, double t1);
   bool take(size_t rung, const Index3& cell, double t0, double t1);
   uint32_t seen(size_t rung, const Index3& cell);
   bool occupied(size_t rung, const Index3& cell);

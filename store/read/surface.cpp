@@ -14,8 +14,8 @@ constexpr double kReach = 6;           // of the widest side of the cell: how fa
 constexpr int64_t kFlat = 3;            // cells around one that tell whether a surface is a plane along axes
 constexpr int64_t kMostAround = 48;    // cells to one side, where others are much thinner
 constexpr double kLeastTurned = 0.02;  // of what half a ball would have: with less the material is all around
-constexpr double kNearEntry = 1.5;     // widest sides: a line along a normal enters through the steps of a surface this near to the point
-constexpr double kFirstLine = 32;      // widest sides
+constexpr double kNearEntry = 1.5;     // cells: a line along a normal enters through the steps of a surface this near to the point
+constexpr double kFirstLine = 32;      // cells
 constexpr double kMostLineCells = 1048576;
 
 Vec3 cell_sides(const Grid& grid, const Index3& cell) {
@@ -32,7 +32,7 @@ uint32_t material_of(const GridReader& reader, const SetValue& value, const Inde
   return out;
 }
 
-// From the point to the middle of what of the ball around it is of the material, weighed less the farther away it is. Only what lies in the grid
+// From the point to the middle of what of the ball around it is of the material, weighed less the farther away it is. Only what is looked at
 // on both sides of the point counts, so that the end of the grid is no surface. In shares of the ball's radius.
 Vec3 towards(const GridReader& reader, const SetValue& value, uint32_t material, const Index3& cell, const Vec3& at) {
   const Grid& grid = reader.meta().grid;
@@ -61,7 +61,7 @@ Vec3 towards(const GridReader& reader, const SetValue& value, uint32_t material,
         for (int d = 0; d < 3; ++d) {
           const Axis& axis = grid.axis[d];
           const double low = axis.plane(i[d]), high = axis.plane(i[d] + 1), mirrored = 2 * at[d] - (low + high) / 2;
-          both = both && mirrored > axis.min() && mirrored < axis.max();
+          both = both && mirrored > axis.plane(box.lo[d]) && mirrored < axis.plane(box.hi[d]);
           away[d] = ((low + high) / 2 - at[d]) / radius;
           volume *= (high - low) / radius;
           square += away[d] * away[d];
@@ -136,7 +136,9 @@ std::optional<Thick> thickness_at(const GridReader& reader, const Index3& cell, 
   const double turned = length(inwards);
   if (!side && turned < kLeastTurned) return std::nullopt;
   const Vec3 normal = turned < kLeastTurned ? side->normal : inwards * (-1 / turned);
-  const double step = longest(cell_sides(grid, cell));
+  const Vec3 sides = cell_sides(grid, cell);
+  const double step =
+      std::abs(normal[0]) * sides[0] + std::abs(normal[1]) * sides[1] + std::abs(normal[2]) * sides[2];  // of the cell, along the normal
   const Vec3 from = at + normal * step;
   double across = 0;  // of the grid
   for (int d = 0; d < 3; ++d) across += grid.axis[d].max() - grid.axis[d].min();
@@ -150,6 +152,7 @@ std::optional<Thick> thickness_at(const GridReader& reader, const Index3& cell, 
       if (run.material == material && run.from <= entry && (!best || run.to - run.from > best->to - best->from)) best = &run;
     if (!best) return std::nullopt;
     if (best->to >= 1 && reach < most) continue;
+    if (best->to >= 1 && most < across) return std::nullopt;  // it may go on
     const auto point = [&](double share) { return from + (to - from) * share; };
     // A line that begins in the material has come from another part of it, through a gap.
     return Thick{material, normal, best->from > 0 ? point(best->from) : at, point(best->to), best->cells};

@@ -21,7 +21,7 @@ export function ComparedSpaces({ pair, comparison }: { pair: Pair; comparison: S
     if (side) pair.in_use = side === "left" ? left : right;
   };
   const panel = (side: "left" | "right") => (
-    <OverviewPanel key={side} stage={pair[side]} viewer={pair[side].viewer} side={side} title={pair[side].viewer.info.id} />
+    <OverviewPanel key={side} stage={pair[side]} viewer={pair[side].viewer} side={side} title={pair[side].viewer.info.id} cut_by={left.viewer} />
   );
   return (
     <div class="views comparison-spaces" data-mode={mode} style={{ "--wipe": `${100 * wipe}%` }} ref={host} onPointerOverCapture={use} onFocusInCapture={use}>

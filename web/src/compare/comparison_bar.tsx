@@ -10,7 +10,7 @@ import { Select } from "../widgets/select";
 const MODES: readonly Segment<ComparisonMode>[] = [
   { value: "side", text: "Side by side", title: "Two views with one camera" },
   { value: "wipe", text: "Wipe", title: "One on the other, up to a handle" },
-  { value: "differs", text: "What differs", title: "What was added, what was removed, and what has become another material" },
+  { value: "differs", text: "What differs", title: "What was added and removed, and in slices what has another material" },
 ];
 const IN_SPACE = 3;
 const ACROSS: readonly Segment<AxisIndex | typeof IN_SPACE>[] = [
@@ -39,7 +39,7 @@ export function ComparisonBar({ viewer, comparison, grids }: { viewer: Viewer; c
       </label>
       <Segmented
         class="comparison-axes"
-        label="Slices across"
+        label="Slices across an axis, or three dimensions"
         value={now.space ? IN_SPACE : now.axis}
         list={ACROSS}
         set={(axis) => {

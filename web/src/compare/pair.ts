@@ -28,10 +28,9 @@ export class Pair {
     this.comparison = page.compare;
     const right = in_units(other, page.info.units);
     const axes = [page.axes, axes_of(right)] as const;
-    const { centre, zoom, help, show_axes, show_scale, show_lines, show_outline, show_leaves, refinement, tool, measures, chosen, measuring, bodies, plane_normal, sky } = page;
+    const { centre, zoom, help, show_axes, show_scale, show_lines, show_outline, show_leaves, refinement, tool, measures, chosen, measuring, orbit, bodies, plane_normal, sky } = page;
     const shared: Shared = {
-      ...{ centre, zoom, help, show_axes, show_scale, show_lines, show_outline, show_leaves, refinement, tool, measures, chosen, measuring, bodies, plane_normal, sky },
-      orbit: signal(null), // of both domains together
+      ...{ centre, zoom, help, show_axes, show_scale, show_lines, show_outline, show_leaves, refinement, tool, measures, chosen, measuring, orbit, bodies, plane_normal, sky },
       bounds: common_bounds(...axes),
       finest: Math.min(...axes.flat().map((axis) => axis.finest)),
       layout: signal<Layout>("z"),

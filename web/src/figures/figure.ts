@@ -35,8 +35,8 @@ interface Entry {
 export function legend_of(viewer: Viewer, labels: readonly number[]): Entry[] {
   const entries = new Map<string, Entry & { order: number }>();
   for (const label of labels) {
-    const look = viewer.shown_looks.peek()[label]!;
-    if (!look.visible || look.opacity === 0 || look.faint) continue;
+    const look = viewer.shown_looks.peek()[label]; // none: it can't be read
+    if (!look?.visible || look.opacity === 0 || look.faint) continue;
     const is_own = viewer.body_looks.peek().get(label)?.color !== undefined;
     const name = is_own ? viewer.name_of(label) : viewer.info.materials[look.material]!.name;
     entries.set(name, { name, color: `rgb(${look.color.join(",")})`, opacity: look.opacity, order: look.material });
@@ -211,7 +211,7 @@ export async function preview_of(viewer: Viewer, options: FigureOptions, most: n
 // Throws when it can't be made. REQUIRES: fault_of() finds none in the options.
 export async function make_figure(viewer: Viewer, options: FigureOptions, signal: AbortSignal): Promise<{ blob: Blob; note: string }> {
   const drawing = await drawing_of(viewer, options, () => options.dpi / 72, signal);
-  const note = [...new Set(drawing.panels.map(({ picture }) => picture.note))].join(" ");
+  const note = [...new Set(drawing.panels.map(({ picture, heading }) => (drawing.panels.length > 1 ? `${heading.text}: ${picture.note}` : picture.note)))].join(" ");
   if (options.format === "svg") {
     const sheet = new SvgSheet(drawing.width, drawing.height);
     draw(sheet, viewer, options, drawing, ({ picture, layout }) => picture.outline!(sheet, layout));

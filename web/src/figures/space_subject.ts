@@ -15,6 +15,7 @@ import type { Picture, Subject } from "./subject";
 const ROUGHLY = 400; // pixels in which the content is looked for
 const [MOST, LONGEST] = [2 ** 26, 2 ** 14]; // pixels of a whole picture of which the server shows parts, and of its sides
 const MARGIN = 0.01; // around the content, as a share of the whole width
+const FARTHEST = 0.3; // of the view, beyond its borders: so far a figure shows the domain with the view
 const ROOM = { across: 44, above: 8, below: 28 }; // points beside the domain, for coordinates
 
 // The shape of the view on the page.
@@ -77,7 +78,8 @@ export async function space_subject(viewer: Viewer, { crop, axes, points, ink, a
   const seen = crop === "content" ? await content_of(viewer, orbit, aspect, signal) : null;
   let page: Part = seen ?? { x0: 0, y0: 0, x1: 1, y1: 1 }; // what the figure shows of the view, as shares of that
   const box = axes && crop !== "screen" ? box_share(projection_of(orbit, 1000 * aspect, 1000), space.half) : null;
-  if (box) {
+  // A view that is far within its domain stays as it is.
+  if (box && Math.min(box.x0, box.y0) > -FARTHEST && Math.max(box.x1, box.y1) < 1 + FARTHEST) {
     page = seen ? around(seen, box) : around(page, box);
     const per_share = Math.max(points - 2 * ROOM.across, points / 4) / (page.x1 - page.x0);
     const dx = ROOM.across / per_share;
@@ -94,7 +96,7 @@ export async function space_subject(viewer: Viewer, { crop, axes, points, ink, a
     async fetch(pixels, _, abort): Promise<Picture> {
       const wanted = pixels / across;
       const fewer = Math.min(1, Math.sqrt((MOST * aspect) / (wanted * wanted)), LONGEST / wanted, (LONGEST * aspect) / wanted);
-      const [width, height] = [Math.floor(wanted * fewer), Math.floor((wanted * fewer) / aspect)];
+      const [width, height] = [Math.max(1, Math.floor(wanted * fewer)), Math.max(1, Math.floor((wanted * fewer) / aspect))];
       const [x0, y0] = [Math.round(part.x0 * width), Math.round(part.y0 * height)];
       const [x1, y1] = [Math.max(x0 + 1, Math.round(part.x1 * width)), Math.max(y0 + 1, Math.round(part.y1 * height))];
       const picture = new OffscreenCanvas(x1 - x0, y1 - y0);
@@ -112,11 +114,18 @@ export async function space_subject(viewer: Viewer, { crop, axes, points, ink, a
           const w = plot.width / across; // of the whole view
           const h = w / aspect;
           const placing = { view: projection_of(orbit, w, h), x: plot.x - page.x0 * w, y: plot.y - page.y0 * h };
+          const { context } = sheet;
+          context.save();
+          context.beginPath();
+          context.rect(plot.x, plot.y, plot.width, plot.height);
+          context.clip();
           if (axes) draw_edges(sheet, placing, space, ink, true);
-          sheet.context.drawImage(picture, placing.x + (x0 / width) * w, placing.y + (y0 / height) * h, (picture.width / width) * w, (picture.height / height) * h);
-          if (!axes) return;
-          draw_edges(sheet, placing, space, ink, false);
-          draw_coordinates(sheet, placing, viewer, space, ink);
+          context.drawImage(picture, placing.x + (x0 / width) * w, placing.y + (y0 / height) * h, (picture.width / width) * w, (picture.height / height) * h);
+          if (axes) {
+            draw_edges(sheet, placing, space, ink, false);
+            draw_coordinates(sheet, placing, viewer, space, ink);
+          }
+          context.restore();
         },
       };
     },

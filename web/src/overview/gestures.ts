@@ -10,7 +10,7 @@ interface GestureTarget {
   move(to: Orbit): void; // and draws it soon
   dolly(factor: number, x?: number, y?: number): void; // towards what is seen there, or else towards the middle
   fly_home(): void;
-  click(x: number, y: number, shift: boolean): Promise<void>;
+  click(x: number, y: number, shift: boolean): void;
   go_to(x: number, y: number): Promise<void>;
   name_what_is_at(x: number, y: number): void; // with no button pressed
 }
@@ -82,7 +82,7 @@ export function listen_gestures(canvas: HTMLCanvasElement, overview: GestureTarg
     else overview.move(turned(overview.viewpoint.orbit, -dx * TURN, dy * TURN));
   });
   on("pointerup", (event) => {
-    if (pointers.delete(event.pointerId) && moved <= STILL) void overview.click(...place(event), event.shiftKey);
+    if (pointers.delete(event.pointerId) && moved <= STILL) overview.click(...place(event), event.shiftKey);
   });
   on("pointercancel", (event) => pointers.delete(event.pointerId));
   on("pointerleave", () => overview.hover.hide());

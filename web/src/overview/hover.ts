@@ -12,7 +12,7 @@ export class Hover {
 
   constructor(
     private readonly name_of: (label: number) => string,
-    private readonly ask: (x: number, y: number, signal: AbortSignal) => Promise<(Seen & { readonly name: string }) | null>,
+    private readonly ask: (x: number, y: number, signal: AbortSignal) => Promise<Seen | null>,
     private readonly tell: (seen: Seen | null) => void,
   ) {
     this.root.hidden = true;

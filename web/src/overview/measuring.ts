@@ -2,23 +2,24 @@
 // material is there, along the surface's normal.
 import { batch } from "@preact/signals";
 import { say, words_of } from "../base/messages";
-import type { ThicknessAnswer } from "../base/grid";
-import { get_json } from "../server/api";
-import { next_id, put_measure } from "../state/measures";
+import { length_of, next_id, put_measure, unfinished } from "../state/measures";
 import type { Viewer } from "../state/viewer";
-import type { Seen } from "./sight/query";
+import { type Seen, fetch_thickness } from "./sight/query";
 
 type Point = [number, number, number];
 
 // `changed`: is called for each line that is drawn here.
 export function make_measuring(viewer: Viewer, signal: AbortSignal, changed: () => void) {
-  const begun = () => (viewer.tool.value === "measure" && viewer.measuring.value && viewer.measure.value?.axis === null ? viewer.measure.value : null);
+  const begun = () => {
+    const line = unfinished(viewer);
+    return line?.axis === null ? line : null;
+  };
   const put = (from: Point, to: Point, name = "") => {
     put_measure(viewer, { id: begun()?.id ?? next_id(viewer.measures.value), name, axis: null, from, to });
     changed();
   };
   const end = () => {
-    viewer.measuring.value = false;
+    viewer.measuring.value = null;
     viewer.tool.value = "look";
     viewer.panel.value = "box";
   };
@@ -28,10 +29,11 @@ export function make_measuring(viewer: Viewer, signal: AbortSignal, changed: () 
       if (!seen) return say("There is no surface to measure from: click one.");
       batch(() => {
         const line = begun();
+        if (line && length_of({ from: line.from, to: [...seen.at] }) === 0) return; // the second click of a double click
         viewer.thickness.value = null;
         put(line?.from ?? [...seen.at], [...seen.at]);
         if (line) end();
-        else viewer.measuring.value = true;
+        else viewer.measuring.value = viewer.chosen.value;
       });
     },
 
@@ -44,7 +46,7 @@ export function make_measuring(viewer: Viewer, signal: AbortSignal, changed: () 
     async thickness(seen: Seen | null): Promise<void> {
       if (!seen) return say("There is no surface to measure from: click one.");
       try {
-        const { thickness } = await get_json<ThicknessAnswer>(viewer.address.thickness(seen.cell, seen.at), signal);
+        const thickness = await fetch_thickness(seen, signal);
         if (!thickness) return say("This is where the view cuts the material, not its surface: there is no normal to measure along.");
         batch(() => {
           viewer.thickness.value = null;

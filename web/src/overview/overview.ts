@@ -6,7 +6,7 @@
 // right for any grid, however many cells it has, and however near the camera is. While the camera moves, the newest
 // picture is drawn as points in space, until the next one has come.
 import { effect, untracked } from "@preact/signals";
-import { words_of } from "../base/messages";
+import { say, words_of } from "../base/messages";
 import { returned } from "../server/connection";
 import { on_theme } from "../state/theme";
 import type { Viewer } from "../state/viewer";
@@ -43,7 +43,11 @@ const CLOSER = 0.4; // of the distance, by a double click
 
 // What keys do in it, and a function that removes it. It shows the viewer's bodies, or how those of
 // another one differ from them.
-export function mount_overview(host: HTMLElement, viewer: Viewer, against?: Viewer): { keys: Record<string, () => void>; unmount: () => void } {
+export interface Looked {
+  readonly against?: Viewer | undefined;
+  readonly cut_by?: Viewer | undefined; // at whose crosshair bodies are cut
+}
+export function mount_overview(host: HTMLElement, viewer: Viewer, { against, cut_by = viewer }: Looked = {}): { keys: Record<string, () => void>; unmount: () => void } {
   const space = space_of(viewer.bounds);
   const chrome = make_chrome(host);
   let stage: Stage;
@@ -54,7 +58,7 @@ export function mount_overview(host: HTMLElement, viewer: Viewer, against?: View
     chrome.root.dataset.state = "failed";
     return { keys: {}, unmount: () => chrome.root.remove() };
   }
-  const overview = new Overview(viewer, space, against ? difference_of(viewer, against, space) : bodies_of(viewer, space), chrome, stage);
+  const overview = new Overview(viewer, space, against ? difference_of(viewer, against, space) : bodies_of(viewer, space, cut_by), chrome, stage);
   overview.start(host);
   return { keys: keys_of(overview), unmount: () => overview.stop() };
 }
@@ -78,6 +82,8 @@ class Overview {
   private lost = false; // the graphics card took the context back
   private moving = false;
   private settle = 0; // a timer
+  private damaged = false; // the last sharp picture shows what can't be read
+  private clicks = Promise.resolve();
   private aim: Aim | null = null;
   private drawn_from = ""; // the place of the last frame
   private wheel: { point: Vec3 | null; x: number; y: number; time: number } | null = null;
@@ -115,7 +121,7 @@ class Overview {
       (x, y, signal) => this.seen_at(x, y, signal),
       (seen) => {
         const hover = viewer.hover.peek();
-        if (seen) viewer.hover.value = { axis: null, cell: seen.cell, point: [...seen.at], labels: seen.label === null ? null : [viewer.keeps_bodies ? seen.label : seen.material!] };
+        if (seen) viewer.hover.value = { axis: null, cell: seen.cell, point: [...seen.at], labels: seen.label === null || seen.grid !== viewer ? null : [viewer.keeps_bodies ? seen.label : seen.material!] };
         else if (hover?.axis === null) viewer.hover.value = null;
       },
     );
@@ -176,7 +182,11 @@ class Overview {
         untracked(() => this.moved());
       }),
       effect(() => {
-        void [viewer.cell.value, viewer.box.value, viewer.isolated.value, viewer.markers.value, viewer.measures.value, viewer.chosen.value, viewer.orbit.value];
+        void [viewer.box.value, viewer.isolated.value, viewer.markers.value, viewer.measures.value, viewer.chosen.value];
+        untracked(() => this.pace.later());
+      }),
+      effect(() => {
+        void [viewer.cell.value, viewer.orbit.value, this.subject.cuts()];
         if (!this.viewpoint.own) untracked(() => (viewer.compared ? this.moved() : this.pace.later())); // both that are compared move as one
       }),
       effect(() => {
@@ -222,8 +232,8 @@ class Overview {
   private came(state: "ready" | "sharp"): void {
     this.chrome.root.dataset.state = state;
     this.chrome.busy.textContent = "";
-    const is_damaged = state === "sharp" && this.stage.shown?.label.includes(this.subject.unreadable() + 1);
-    this.chrome.say(is_damaged ? "A part of the file can't be read. It is striped here." : "");
+    this.damaged = state === "sharp" ? this.stage.shown!.label.includes(this.subject.unreadable() + 1) : this.damaged;
+    this.chrome.say(this.damaged ? "A part of the file can't be read. It is striped here." : "");
     this.pace.soon();
   }
 
@@ -330,7 +340,7 @@ class Overview {
     return point ? (point.map((p, d) => from_space(this.space, d, p)) as Vec3) : null;
   }
 
-  private async seen_at(x: number, y: number, signal: AbortSignal): Promise<(Seen & { readonly name: string }) | null> {
+  private async seen_at(x: number, y: number, signal: AbortSignal): Promise<Seen | null> {
     return this.aim && this.subject.seen_at(this.aim, x, y, signal);
   }
 
@@ -347,21 +357,32 @@ class Overview {
     else this.hover.show(x, y, this.pixel_at(x, y)?.label ?? null, view.width);
   }
 
-  // A click keeps the cell in the read-out, or measures.
-  async click(x: number, y: number, shift: boolean): Promise<void> {
-    const seen = await this.seen_at(x, y, this.abort.signal).catch(() => null);
+  // A click keeps the cell in the read-out, or measures. One click after another, whichever answer comes first.
+  click(x: number, y: number, shift: boolean): void {
+    const seen = this.seen_at(x, y, this.abort.signal);
+    this.clicks = this.clicks.then(async () => {
+      try {
+        await this.clicked(await seen, shift);
+      } catch (error) {
+        if (!this.abort.signal.aborted) say(`What is there can't be told: ${words_of(error)}.`);
+      }
+    });
+  }
+  private async clicked(seen: Seen | null, shift: boolean): Promise<void> {
+    if (this.abort.signal.aborted) return;
     if (shift) await this.measuring.thickness(seen);
     else if (this.viewer.tool.value === "measure") this.measuring.click(seen);
-    else this.viewer.pinned.value = seen ? seen.cell : null;
+    else if (!seen || seen.grid === this.viewer) this.viewer.pinned.value = seen && seen.cell;
   }
 
   // Puts the crosshair on what is seen at a pixel, and moves the camera closer.
   async go_to(x: number, y: number): Promise<void> {
     const orbit = this.viewpoint.orbit;
     const seen = await this.seen_at(x, y, this.abort.signal).catch(() => null);
-    if (!seen) return;
+    if (!seen || this.viewer.tool.value === "measure") return; // its clicks have measured
     this.viewer.pinned.value = null;
-    this.viewer.go_to_cell(seen.cell);
+    if (seen.grid === this.viewer) this.viewer.go_to_cell(seen.cell);
+    else this.viewer.go_to(seen.at);
     const target = point_to_space(this.space, seen.at);
     const { back } = basis(orbit);
     const away = dot([0, 1, 2].map((d) => orbit.target[d]! + orbit.distance * back[d]! - target[d]!) as Vec3, back);

@@ -5,6 +5,7 @@ import { AXES, AXIS_NAMES, type AxisIndex, type Stats } from "../base/grid";
 import { use_answer, use_settled } from "../server/answer";
 import type { Box, Viewer } from "../state/viewer";
 import { CopyButton } from "../widgets/copy";
+import { choose_tool } from "../views/actions";
 import { nearest_plane } from "../views/drawing/box_handles";
 import { Icon } from "../widgets/icons";
 import { Segmented } from "../widgets/segmented";
@@ -129,7 +130,7 @@ export function BoxPanel({ viewer }: { viewer: Viewer }) {
       <section>
         <h3>Box of cells</h3>
         <div class="toolbar">
-          <button class="button" aria-pressed={drawing} onClick={() => (viewer.tool.value = drawing ? "look" : "box")}>
+          <button class="button" aria-pressed={drawing} onClick={() => choose_tool(viewer, "box")}>
             <Icon name="box" /> Draw in a view
           </button>
           {!box && (

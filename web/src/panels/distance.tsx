@@ -7,7 +7,7 @@ import { use_answer, use_settled } from "../server/answer";
 import { axis_named } from "../state/comparison";
 import { length_of, measures_csv, name_of_measure, put_measure, remove_measure } from "../state/measures";
 import type { Measure, Viewer } from "../state/viewer";
-import { measure_thickness } from "../views/actions";
+import { choose_tool, measure_thickness } from "../views/actions";
 import { Fact } from "../widgets/fact";
 import { CopyButton } from "../widgets/copy";
 import { IconButton } from "../widgets/icons";
@@ -151,7 +151,7 @@ export function Distance({ viewer }: { viewer: Viewer }) {
     <section>
       <h3>Distance and thickness</h3>
       <div class="toolbar">
-        <button class="button" aria-pressed={tool.value === "measure"} onClick={() => (tool.value = tool.value === "measure" ? "look" : "measure")}>
+        <button class="button" aria-pressed={tool.value === "measure"} onClick={() => choose_tool(viewer, "measure")}>
           Measure
         </button>
         <button class="button" title="Of the material at the crosshair, along each axis" onClick={() => measure_thickness(viewer, axis_named(viewer.layout.value), viewer.cell.value)}>

@@ -20,6 +20,10 @@ export function put_measure(viewer: Viewer, measure: Measure): void {
   });
 }
 
+// The line that has no end yet.
+export const unfinished = ({ measures, measuring, tool }: Viewer): Measure | null =>
+  (tool.value === "measure" && measures.value.find(({ id }) => id === measuring.value)) || null;
+
 export function remove_measure(viewer: Viewer, id: number): void {
   batch(() => {
     viewer.measures.value = viewer.measures.value.filter((m) => m.id !== id);

@@ -121,7 +121,7 @@ export class Viewer {
   readonly measure: ReadonlySignal<Measure | null> = computed(() => this.measures.value.find(({ id }) => id === this.chosen.value) ?? null); // that one
   readonly thickness = signal<Index3 | null>(null); // the cell at which the thickness of its material is measured
   readonly tool = signal<"look" | "measure" | "box">("look");
-  readonly measuring = signal(false); // whether the chosen line has no end yet; without the tool it means nothing
+  readonly measuring = signal<number | null>(null); // the id of the line that has no end yet
   readonly markers = signal<readonly Marker[]>([]);
   readonly marks: ReadonlySignal<readonly Marker[]>; // those that the views draw
   readonly tiles = new TileCounters();

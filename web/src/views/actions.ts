@@ -5,7 +5,7 @@ import type { AxisIndex, Column, Index3 } from "../base/grid";
 import { say, words_of } from "../base/messages";
 import { get_json } from "../server/api";
 import { SLICE_NORMALS, angles_of, normal_of, turned } from "../oblique/frame";
-import { next_id, put_measure, remove_measure } from "../state/measures";
+import { next_id, put_measure, remove_measure, unfinished } from "../state/measures";
 import type { ViewName, Viewer } from "../state/viewer";
 
 // Shows one view alone, or all four again.
@@ -39,10 +39,10 @@ export function fit(viewer: Viewer): void {
 
 // A line that has no end yet goes with it.
 function put_tool_away(viewer: Viewer): void {
-  const measure = viewer.measure.value;
-  if (viewer.tool.value === "measure" && viewer.measuring.value && measure) remove_measure(viewer, measure.id);
+  const measure = unfinished(viewer);
+  if (measure) remove_measure(viewer, measure.id);
   viewer.tool.value = "look";
-  viewer.measuring.value = false;
+  viewer.measuring.value = null;
 }
 
 // Takes one step back: puts the tool away, or else shows all again, or removes the chosen line, the box or the pin.
@@ -77,7 +77,7 @@ export function step_crosshair(viewer: Viewer, axis: AxisIndex, du: number, dv: 
     const size = viewer.views.find((view) => view.axis === axis);
     const away = (d: AxisIndex) => Math.abs(viewer.axes[d].centre(viewer.cell.value[d]) - viewer.centre.value[d]) * viewer.zoom.value;
     if (size && (away(u) > size.width / 2 || away(v) > size.height / 2)) viewer.go_to_cell(viewer.cell.value);
-    const line = viewer.tool.value === "measure" && viewer.measuring.value ? viewer.measure.value : null;
+    const line = unfinished(viewer);
     if (line?.axis === axis) put_measure(viewer, { ...line, to: viewer.centre_of(viewer.cell.value) });
   });
 }
@@ -86,14 +86,15 @@ export function step_crosshair(viewer: Viewer, axis: AxisIndex, du: number, dv: 
 export function mark_measure(viewer: Viewer, axis: AxisIndex): void {
   if (viewer.tool.value !== "measure") return;
   batch(() => {
-    const begun = viewer.measuring.value ? viewer.measure.value : null;
+    const begun = unfinished(viewer);
     if (begun?.axis === axis) {
-      viewer.measuring.value = false;
+      viewer.measuring.value = null;
       viewer.tool.value = "look";
     } else {
       const here = viewer.centre_of(viewer.cell.value);
-      put_measure(viewer, { id: begun?.id ?? next_id(viewer.measures.value), name: "", axis, from: here, to: here });
-      viewer.measuring.value = true;
+      const id = begun?.id ?? next_id(viewer.measures.value);
+      put_measure(viewer, { id, name: "", axis, from: here, to: here });
+      viewer.measuring.value = id;
     }
   });
 }

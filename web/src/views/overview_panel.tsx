@@ -14,9 +14,10 @@ interface OverviewProps {
   side?: "left" | "right"; // of a comparison
   title?: string;
   against?: Viewer; // what differs from it is shown, in place of the bodies
+  cut_by?: Viewer; // at whose crosshair bodies are cut
 }
 
-export function OverviewPanel({ stage, viewer, side, title, against }: OverviewProps) {
+export function OverviewPanel({ stage, viewer, side, title, against, cut_by }: OverviewProps) {
   const host = useRef<HTMLDivElement>(null);
   const state = useSignal<"loading" | "there" | { readonly trouble: string }>("loading");
   const attempt = useSignal(0);
@@ -33,7 +34,7 @@ export function OverviewPanel({ stage, viewer, side, title, against }: OverviewP
       try {
         const { mount_overview } = await import("../overview/overview");
         if (gone) return;
-        const mounted = mount_overview(host.current!, viewer, against);
+        const mounted = mount_overview(host.current!, viewer, { against, cut_by });
         stage.overview_keys = mounted.keys;
         unmount = mounted.unmount;
         state.value = "there";
@@ -47,7 +48,7 @@ export function OverviewPanel({ stage, viewer, side, title, against }: OverviewP
       stage.overview_keys = null;
       unmount();
     };
-  }, [stage, viewer, against, due, attempt.value]);
+  }, [stage, viewer, against, cut_by, due, attempt.value]);
   const again = () => {
     state.value = "loading";
     ++attempt.value;

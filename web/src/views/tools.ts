@@ -1,7 +1,7 @@
 // What dragging draws: a line that measures a distance, or a box for statistics.
 import { FRAMES } from "../base/axis";
 import type { AxisIndex, Index3 } from "../base/grid";
-import { next_id, put_measure } from "../state/measures";
+import { next_id, put_measure, unfinished } from "../state/measures";
 import type { Box, Measure } from "../state/viewer";
 import { type Handle, dragged, handle_at, handles_of } from "./drawing/box_handles";
 import { snapped } from "./snap";
@@ -31,8 +31,7 @@ function measure(stage: Stage, axis: AxisIndex, x0: number, y0: number): Drag {
   const { viewer } = stage;
   const point = (x: number, y: number) => stage.views[axis].under(viewer, x, y).point;
   const before = { measures: viewer.measures.value, chosen: viewer.chosen.value };
-  const unfinished = viewer.measuring.value ? viewer.measure.value : null; // a line that has no end yet makes way
-  const id = unfinished?.id ?? next_id(before.measures);
+  const id = unfinished(viewer)?.id ?? next_id(before.measures); // a line that has no end yet makes way
   let [from, to] = [point(x0, y0), point(x0, y0)];
   let ends = new AbortController(); // of the request for the end that is being drawn
   const abort = new AbortController();
@@ -62,7 +61,7 @@ function measure(stage: Stage, axis: AxisIndex, x0: number, y0: number): Drag {
     end: (drawn) => {
       if (drawn) {
         viewer.thickness.value = null;
-        viewer.measuring.value = false;
+        viewer.measuring.value = null;
         viewer.panel.value = "box";
         return;
       }

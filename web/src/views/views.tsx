@@ -2,6 +2,7 @@
 // have x in common; those of x and y stand side by side and have z in common.
 import { useLayoutEffect, useMemo, useRef } from "preact/hooks";
 import type { AxisIndex } from "../base/grid";
+import { unfinished } from "../state/measures";
 import type { Viewer } from "../state/viewer";
 import { IsolatedNote } from "./isolated_note";
 import { attach_keys } from "./keys";
@@ -17,8 +18,9 @@ const ORDER: readonly AxisIndex[] = [2, 0, 1];
 const IN_SLICES = "drag to measure a distance (hold alt to leave boundaries aside), or press Enter at each end";
 const IN_SPACE = "click a surface at each end of a line, or shift and click for the thickness there";
 
-function measuring_words({ layout, measuring, measure }: Viewer): string {
-  if (measuring.value && measure.value?.axis === null) return "Click a surface at the other end; drags turn the view";
+function measuring_words(viewer: Viewer): string {
+  const { layout } = viewer;
+  if (unfinished(viewer)?.axis === null) return "Click a surface at the other end; drags turn the view";
   if (layout.value === "3d") return `Measuring: ${IN_SPACE}`;
   return layout.value === "four" ? `In slices ${IN_SLICES}; in 3D ${IN_SPACE}` : `Measuring: ${IN_SLICES}`;
 }

@@ -16,6 +16,8 @@ const [SAME, REMOVED, ADDED, DAMAGED] = [0, 1, 2, 3];
 const WORDS = ["in both", "removed", "added", UNREADABLE];
 const MOST_ALONE = 5; // materials that have a layer of their own
 
+const FLATTEST = 0.1; // the cosine of a surface that is seen nearly from its side
+
 // `damaged`: the labels of what can't be read. `slack`: how far from each other two surfaces may lie that are the same one; besides what distances are rounded by.
 export function merged(a: Sights, b: Sights, damaged: readonly [number, number], slack: number): Sights {
   const n = a.width * a.height;
@@ -27,9 +29,10 @@ export function merged(a: Sights, b: Sights, damaged: readonly [number, number],
     const [has_a, has_b] = [a.label[i]! > 0, b.label[i]! > 0];
     if (!has_a && !has_b) continue;
     const [p, q] = [has_a ? a.far[i]! : Infinity, has_b ? b.far[i]! : Infinity];
-    const is_same = has_a && has_b && Math.abs(p - q) <= slack + rounding * Math.min(p, q);
     from_b[i] = Number(q < p);
     const source = from_b[i] ? b : a;
+    const across = Math.max(source.facing[i]! / 255, FLATTEST); // how much of a depth lies across the surface
+    const is_same = has_a && has_b && Math.abs(p - q) <= slack / across + rounding * Math.min(p, q);
     const is_damaged = source.label[i] === 1 + damaged[from_b[i] as 0 | 1];
     label[i] = 1 + (is_damaged ? DAMAGED : is_same ? SAME : q < p ? ADDED : REMOVED);
     far[i] = source.far[i]!;
@@ -73,13 +76,24 @@ export function paired_layers(left: Viewer, right: Viewer): [number[], number[]]
   return names.length > MOST_ALONE ? [...alone, pair(names.slice(MOST_ALONE))] : alone;
 }
 
-const same_planes = (a: Axis, b: Axis): boolean => a.cells === b.cells && [0, a.cells >> 2, a.cells >> 1, a.cells].every((i) => a.plane(i) === b.plane(i));
+function same_planes(a: Axis, b: Axis): boolean {
+  if (a.cells !== b.cells || a.graded !== b.graded) return false;
+  if (!a.graded) return a.min === b.min && a.max === b.max;
+  for (let i = 0; i <= a.cells; ++i) if (a.plane(i) !== b.plane(i)) return false;
+  return true;
+}
+
+function widest_of(axis: Axis): number {
+  if (!axis.graded) return axis.finest;
+  let widest = 0;
+  for (let i = 0; i < axis.cells; ++i) widest = Math.max(widest, axis.width(i));
+  return widest;
+}
 
 // Surfaces of unequal cells are the same where they lie within a cell of each other.
 function slack_of(left: Viewer, right: Viewer, space: Space): number {
   if (AXES.every((d) => same_planes(left.axes[d], right.axes[d]))) return 0;
-  const widest = (axis: Axis) => (axis.graded ? Math.max(...Array.from({ length: axis.cells }, (_, i) => axis.width(i))) : axis.finest);
-  return space.scale * Math.hypot(...AXES.map((d) => Math.max(widest(left.axes[d]), widest(right.axes[d]))));
+  return space.scale * Math.hypot(...AXES.map((d) => Math.max(widest_of(left.axes[d]), widest_of(right.axes[d]))));
 }
 
 // In the colours of the style sheet.
@@ -95,7 +109,7 @@ export function difference_of(left: Viewer, right: Viewer, space: Space): SightS
   const query = (side: 0 | 1, { orbit, width, height, cuts }: Sighting) => `${camera_query(sides[side], space, orbit, width, height)}${cuts[side]}`;
   return {
     key: () => JSON.stringify(paired_layers(left, right)),
-    cuts: () => sides.map(cut_of),
+    cuts: () => sides.map((side) => cut_of(side, left)),
     fetch: async (from, more, get: Get) => {
       const pairs = paired_layers(left, right);
       const of = (side: 0 | 1) => fetch_layers(sides[side], space, pairs.map((pair) => pair[side]), query(side, from) + more, get);
@@ -106,9 +120,10 @@ export function difference_of(left: Viewer, right: Viewer, space: Space): SightS
     seen_at: async (from, x, y, signal) => {
       const pairs = paired_layers(left, right);
       const found = await Promise.all(
-        ([0, 1] as const).map(async (side) => {
-          const seen = await fetch_seen(sides[side], pairs.flatMap((pair) => pair[side]).sort((p, q) => p - q), query(side, from), x, y, signal);
-          return seen && { ...seen, name: `${seen.label === null ? UNREADABLE : sides[side].name_of(seen.label)} in ${sides[side].info.id}` };
+        ([0, 1] as const).map((side) => {
+          const grid = sides[side];
+          const name_of = (label: number | null) => `${label === null ? UNREADABLE : grid.name_of(label)} in ${grid.info.id}`;
+          return fetch_seen(grid, pairs.flatMap((pair) => pair[side]).sort((p, q) => p - q), query(side, from), x, y, signal, name_of);
         }),
       );
       const nearest = Math.min(...found.map((seen) => seen?.distance ?? Infinity));

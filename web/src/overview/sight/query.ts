@@ -1,5 +1,5 @@
 // What the server is asked to look at, as parts of an address.
-import type { Index3 } from "../../base/grid";
+import type { Index3, ThicknessAnswer } from "../../base/grid";
 import { ranges } from "../../base/ranges";
 import { get_json } from "../../server/api";
 import type { Viewer } from "../../state/viewer";
@@ -20,9 +20,9 @@ export function camera_query(viewer: Viewer, space: Space, orbit: Orbit, width: 
 
 export const sight_of = ({ shown_looks, bodies, small }: Viewer): Sight => ({ looks: shown_looks.value, mode: bodies.value, small: small.value });
 
-// What is cut away.
-export function cut_of(viewer: Viewer): string {
-  const at = viewer.centre_of(viewer.cell.value).map((x) => x * to_file(viewer)) as Vec3;
+// What is cut away, at the crosshair of the same viewer or another one.
+export function cut_of(viewer: Viewer, by = viewer): string {
+  const at = by.centre_of(by.cell.value).map((x) => x * to_file(viewer)) as Vec3;
   if (viewer.bodies.value === "cut") return `&open=${at.join(",")}`;
   const normal = viewer.plane_normal.value;
   if (viewer.bodies.value === "plane" && normal) return `&plane=${normal.join(",")},${dot(normal, at)}`;
@@ -42,8 +42,10 @@ export const fetch_layers = (viewer: Viewer, space: Space, layers: readonly (rea
     }),
   );
 
-// What is seen of some labels at a point of a picture, in pixels.
+// What is seen at a point of a picture.
 export interface Seen {
+  readonly grid: Viewer; // whose cell it is
+  readonly name: string;
   readonly at: readonly [number, number, number];
   readonly cell: Index3;
   readonly distance: number;
@@ -51,8 +53,17 @@ export interface Seen {
   readonly material: number | null;
   readonly body: string | null;
 }
-export async function fetch_seen(viewer: Viewer, labels: readonly number[], query: string, x: number, y: number, signal: AbortSignal): Promise<Seen | null> {
-  const { seen } = await get_json<{ seen: Seen | null }>(viewer.address.view("json", `${query}&labels=${ranges(labels)}&level=0&damage=1&pixel=${x},${y}`), signal);
-  const shown = (length: number) => length / to_file(viewer);
-  return seen && { ...seen, at: seen.at.map(shown) as [number, number, number], distance: shown(seen.distance) };
+// What is seen of some labels at a point in pixels. `name_of`: what a label is called there; null: what can't be read.
+export async function fetch_seen(viewer: Viewer, labels: readonly number[], query: string, x: number, y: number, signal: AbortSignal, name_of: (label: number | null) => string): Promise<Seen | null> {
+  const { seen } = await get_json<{ seen: Omit<Seen, "grid" | "name"> | null }>(viewer.address.view("json", `${query}&labels=${ranges(labels)}&level=0&damage=1&pixel=${x},${y}`), signal);
+  return seen && { ...seen, grid: viewer, name: name_of(seen.label), at: shown_point(viewer, seen.at), distance: seen.distance / to_file(viewer) };
+}
+
+const shown_point = (viewer: Viewer, [x, y, z]: readonly [number, number, number]): Vec3 => [x / to_file(viewer), y / to_file(viewer), z / to_file(viewer)];
+
+// How thick the material of what is seen is there, and where a line along the normal of its surface enters it and leaves it; null: there is none.
+export async function fetch_thickness({ grid, cell, at }: Seen, signal: AbortSignal): Promise<{ name: string; from: Vec3; to: Vec3 } | null> {
+  const address = grid.address.thickness(cell, at.map((x) => x * to_file(grid)));
+  const { thickness } = await get_json<ThicknessAnswer>(address, signal);
+  return thickness && { name: thickness.name, from: shown_point(grid, thickness.from), to: shown_point(grid, thickness.to) };
 }

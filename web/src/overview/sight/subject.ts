@@ -21,25 +21,24 @@ export interface SightSubject {
   cuts(): readonly string[];
   fetch(from: Sighting, more: string, get: Get): Promise<readonly Sights[]>; // a layer at least
   color(layers: readonly Sights[]): Colored;
-  seen_at(from: Sighting, x: number, y: number, signal: AbortSignal): Promise<(Seen & { readonly name: string }) | null>; // of single cells
+  seen_at(from: Sighting, x: number, y: number, signal: AbortSignal): Promise<Seen | null>; // of single cells
   name_of(label: number): string; // of a layer
   unreadable(): number; // the label of what can't be read
 }
 
 export const UNREADABLE = "can't be read";
 
-export function bodies_of(viewer: Viewer, space: Space): SightSubject {
+// `cut_by`: at whose crosshair they are cut.
+export function bodies_of(viewer: Viewer, space: Space, cut_by = viewer): SightSubject {
   const layers = () => layers_of(sight_of(viewer));
   const query = ({ orbit, width, height, cuts }: Sighting) => `${camera_query(viewer, space, orbit, width, height)}${cuts[0]}`;
   return {
     key: () => layers().map(ranges).join(" "),
-    cuts: () => [cut_of(viewer)],
+    cuts: () => [cut_of(viewer, cut_by)],
     fetch: (from, more, get) => fetch_layers(viewer, space, layers(), query(from) + more, get),
     color: (seen) => compose(seen, palette_of(sight_of(viewer))),
-    seen_at: async (from, x, y, signal) => {
-      const seen = await fetch_seen(viewer, layers().flat().sort((a, b) => a - b), query(from), x, y, signal);
-      return seen && { ...seen, name: seen.label === null ? UNREADABLE : viewer.name_of(seen.label) };
-    },
+    seen_at: (from, x, y, signal) =>
+      fetch_seen(viewer, layers().flat().sort((a, b) => a - b), query(from), x, y, signal, (label) => (label === null ? UNREADABLE : viewer.name_of(label))),
     unreadable: () => viewer.labels.length,
     name_of: (label) => (label === viewer.labels.length ? UNREADABLE : viewer.name_of(label)),
   };
