@@ -10,6 +10,9 @@ step() {
   printf '\n== %d:%02d %s\n' $((SECONDS / 60)) $((SECONDS % 60)) "$1"
 }
 
+# Names of tests, line by line, as patterns of Catch2 that each match that one alone.
+as_patterns() { sed 's/[],[\\"*~]/\\&/g'; }
+
 # Runs a command and shows what it said when it is done: two at once must not mix their lines. Of what went well it shows the end.
 whole() {
   local said status=0 began=$SECONDS
