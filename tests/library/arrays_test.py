@@ -152,7 +152,7 @@ class Lists(unittest.TestCase):
         ascending = numpy.arange(25)
         for key in (
             [], [3], [5, 1, 5, -1], ([],), ([], [], slice(3)), numpy.int64(4), numpy.array(4), range(3),
-            (0, slice(None), [7, 2]), ([7, 2], slice(None), 0), (None, [1], ..., None, [2]),
+            (0, slice(None), [7, 2]), ([7, 2], slice(None), 0), (None, [1], ..., None, [2]), (slice(None), [1], ..., 5), (slice(2), [1, 0], ..., [4, 2]), (0, 1, 2, ...),
             numpy.ix_([4, 1], range(0, 90, 7), [3, 140]), numpy.ix_([4, 1, 7], [50, 3, 4], [3, 140, 9]),
             (ascending, ascending, ascending), (ascending[:, None], ascending), (ascending, slice(None, None, -7), ascending),
             cells == 2, cells > 9, (cells[:, :, 0] == 3,), (slice(None), cells[0] == 3), (slice(None, None, -2), cells[0] == 3),

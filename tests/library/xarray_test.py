@@ -82,9 +82,22 @@ class Engine(unittest.TestCase):
         self.assertEqual(int((dataset.material == 3).sum()), teracell.open(grids[0]).stats()[3].cells)
         numpy.testing.assert_array_equal(pickle.loads(pickle.dumps(dataset)).material[3], dataset.material[3])
         self.assertEqual(xarray.open_dataset(grids[0], engine="teracell", chunks={}).material.chunks, tuple((n,) for n in dataset.material.shape))
+        expected = dataset.material.compute()
         dataset.close()
-        with self.assertRaisesRegex(ValueError, "closed"):
-            dataset.material.compute()
+        numpy.testing.assert_array_equal(dataset.material, expected)  # what has outlived its dataset opens the file again, as with other engines
+
+    def test_what_was_opened_is_read_or_refused_even_if_the_file_is_replaced(self):
+        path = folder / "replaced.tcell"
+        shutil.copy(grids[0], path)
+        with xarray.open_dataset(path, engine="teracell", decode_times=False, mask_and_scale=True) as dataset:
+            material = dataset.material
+        pickled = pickle.dumps(teracell.open(path))
+        shutil.copy(grids[1], path)
+        for read in (lambda: material.values, lambda: pickle.loads(pickled)):
+            with self.assertRaisesRegex(ValueError, "it was replaced"):
+                read()
+        with self.assertRaises(TypeError):
+            xarray.open_dataset(path, engine="teracell", decode="times")
 
     def test_a_dataset_is_saved_as_netcdf(self):
         with xarray.open_dataset(grids[0], engine="teracell", level=2) as dataset:

@@ -148,7 +148,7 @@ class Level:
         return self[...] if dtype is None else self[...].astype(dtype, copy=False)
 
     def __reduce__(self):
-        return _level_of, (self._opened, self.number)
+        return _level_of, (self._opened, self._native.hash(), self.number)
 
     def __dask_tokenize__(self):
         return "teracell", self._native.hash(), self.number
@@ -343,7 +343,7 @@ class Grid(Level):
         self.close()
 
     def __reduce__(self):
-        return Grid, self._opened
+        return _grid_of, (self._opened, None if self.closed else self.hash)
 
     def __repr__(self):
         state = "closed" if self.closed else f"{self.levels} levels"
@@ -586,5 +586,15 @@ def _length(value, name="step"):
         raise UsageError(f"{name}: expected a number, found {shown(value)}") from None
 
 
-def _level_of(opened, number):
-    return Grid(*opened).level(number)
+def _grid_of(opened, hash):
+    """The grid that was pickled. What is at its path may be another one by now."""
+    grid = Grid(*opened)
+    if hash is not None and grid.hash != hash:
+        found = grid.hash
+        grid.close()
+        raise UsageError(f"{grid.path}: expected the grid with the hash {hash}, found {found}: it was replaced")
+    return grid
+
+
+def _level_of(opened, hash, number):
+    return _grid_of(opened, hash).level(number)

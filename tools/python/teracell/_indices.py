@@ -20,7 +20,7 @@ WASTE = 4
 def select(key, shape, read, empty):
     """The cells that a key selects. `empty(shape)` makes an array of them."""
     parts = _checked(_whole(key, len(shape)), shape)
-    of_axes = [part for part in parts if part is not None]
+    of_axes = [part for part in parts if part is not None and part is not Ellipsis]
     arrays = [d for d, part in enumerate(of_axes) if isinstance(part, numpy.ndarray)]
     lattice = [_ascending(part) for part in of_axes]
     if arrays:
@@ -36,8 +36,8 @@ def select(key, shape, read, empty):
         found = _lattices(lattice, read, empty)
     back = []
     for part in parts:
-        if part is None:
-            back.append(numpy.newaxis)
+        if part is None or part is Ellipsis:
+            back.append(part)
         elif isinstance(part, range):
             back.append(slice(None, None, -1 if part.step < 0 else 1))
         else:
@@ -73,7 +73,7 @@ def index_of(part, n, axis):
 
 
 def _whole(key, ndim):
-    """A key as a list with a part for each axis, or several, and None where an axis is added."""
+    """A key as a list with a part for each axis, or several, None where an axis is added, and an ellipsis where it stands for none: it keeps lists apart."""
     key = [_as_array(part) for part in (key if isinstance(key, tuple) else (key,))]
     if sum(part is Ellipsis for part in key) > 1:
         raise IndexError("an index can only have a single ellipsis ('...')")
@@ -81,7 +81,7 @@ def _whole(key, ndim):
     if given > ndim:
         raise IndexError(f"too many indices: the array has {ndim} axes, but {given} were indexed")
     at = next((i for i, part in enumerate(key) if part is Ellipsis), len(key))
-    return key[:at] + [slice(None)] * (ndim - given) + key[at + 1:]
+    return key[:at] + ([slice(None)] * (ndim - given) or key[at:at + 1]) + key[at + 1:]
 
 
 def _as_array(part):
@@ -105,7 +105,7 @@ def _axes(part):
 
 
 def _checked(parts, shape):
-    """The parts of a whole key as None, whole numbers, ranges, and arrays of whole numbers from 0."""
+    """The parts of a whole key as None, an ellipsis, whole numbers, ranges, and arrays of whole numbers from 0."""
     out, axis = [], 0
     for part in parts:
         if isinstance(part, numpy.ndarray) and part.dtype == bool:
@@ -118,7 +118,7 @@ def _checked(parts, shape):
         elif isinstance(part, slice):
             out.append(range(shape[axis])[part])
         else:
-            out.append(None if part is None else index_of(part, shape[axis], axis))
+            out.append(part if part is None or part is Ellipsis else index_of(part, shape[axis], axis))
         axis += _axes(part)
     return out
 

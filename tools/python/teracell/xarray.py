@@ -2,9 +2,10 @@
 is not on Python's path."""
 from __future__ import annotations
 
+import functools
 import json
 import os
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 import numpy
@@ -14,6 +15,7 @@ from xarray.core import indexing
 
 import teracell
 
+DECODING = {"mask_and_scale", "decode_times", "decode_timedelta", "decode_coords", "use_cftime", "concat_characters"}
 PREFERRED = 512  # cells along the edge of a block of dask, with chunks={}: 134 MB of bytes
 
 
@@ -25,12 +27,16 @@ class Backend(BackendEntrypoint):
 
     def open_dataset(  # type: ignore[override]
             self, filename_or_obj: Any, drop_variables: str | Iterable[str] | None = None, *, level: int = 0, cache_dir: Any = None,
-            cache_dir_size: int | None = None, endpoint: str | None = None, allow_http: bool = False) -> xarray.Dataset:
-        """Opens one level of a grid; the other options are those of teracell.open()."""
-        grid = teracell.open(filename_or_obj, cache_dir=cache_dir, cache_dir_size=cache_dir_size, endpoint=endpoint, allow_http=allow_http)
+            cache_dir_size: int | None = None, endpoint: str | None = None, allow_http: bool = False, **decoding: Any) -> xarray.Dataset:
+        """Opens one level of a grid; the other options are those of teracell.open(). What other engines are told of decoding means nothing here."""
+        if unknown := set(decoding) - DECODING:
+            raise TypeError(f"open_dataset() got an unexpected keyword argument '{min(unknown)}'")
+        reopen = functools.partial(
+            teracell.open, filename_or_obj, cache_dir=cache_dir, cache_dir_size=cache_dir_size, endpoint=endpoint, allow_http=allow_http)
+        grid = reopen()
         chosen = grid.level(level)
         chunks = {name: PREFERRED for name, n in zip("zyx", chosen.shape) if n > PREFERRED}
-        cells = xarray.Variable(("z", "y", "x"), indexing.LazilyIndexedArray(Cells(chosen)), attributes(chosen), {"preferred_chunks": chunks})
+        cells = xarray.Variable(("z", "y", "x"), indexing.LazilyIndexedArray(Cells(grid, chosen, reopen)), attributes(chosen), {"preferred_chunks": chunks})
         dataset = xarray.Dataset({"material": cells}, coordinates(chosen), {"units": grid.units, "level": level, "hash": grid.hash})
         if drop_variables is not None:
             dataset = dataset.drop_vars(drop_variables, errors="ignore")
@@ -44,10 +50,20 @@ class Backend(BackendEntrypoint):
 class Cells(BackendArray):
     """A level, of which xarray reads what it needs."""
 
-    def __init__(self, level: teracell.Level) -> None:
-        self.level, self.shape, self.dtype = level, level.shape, level.dtype
+    def __init__(self, grid: teracell.Grid, level: teracell.Level, reopen: Callable[[], teracell.Grid]) -> None:
+        self.grid, self.level, self.reopen, self.hash = grid, level, reopen, grid.hash
+        self.shape, self.dtype = level.shape, level.dtype
+
+    def _open_again(self) -> None:
+        """As other engines do, for a variable that has outlived its dataset."""
+        grid = self.reopen()
+        if grid.hash != self.hash:
+            raise teracell.UsageError(f"{grid.path}: expected the grid with the hash {self.hash}, found {grid.hash}: it was replaced")
+        self.grid, self.level = grid, grid.level(self.level.number)
 
     def __getitem__(self, key: indexing.ExplicitIndexer) -> Any:
+        if self.grid.closed:
+            self._open_again()
         if not isinstance(key, indexing.VectorizedIndexer):  # xarray 2023.1 would lose a cell of [::-9] on the way, so it is not asked
             return numpy.asarray(self.level._orthogonal(key.tuple))
         if all(isinstance(part, numpy.ndarray) for part in key.tuple):
