@@ -18,7 +18,7 @@ const ACROSS: readonly Segment<AxisIndex | typeof IN_SPACE>[] = [
     const [name, label] = [AXIS_NAMES[axis], `Slices across ${AXIS_NAMES[axis]}`];
     return { value: axis, text: name, class: `layout-${name}`, title: label, "aria-label": label };
   }),
-  { value: IN_SPACE, text: "3D", class: "layout-3d", title: "In three dimensions", "aria-label": "In three dimensions" },
+  { value: IN_SPACE, text: "3D", class: "layout-3d", title: "3D: both grids with one camera", "aria-label": "3D: both grids with one camera" },
 ];
 
 export function ComparisonBar({ viewer, comparison, grids }: { viewer: Viewer; comparison: Signal<Comparison>; grids: readonly GridSummary[] }) {
