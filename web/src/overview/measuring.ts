@@ -8,6 +8,8 @@ import { type Seen, fetch_thickness } from "./sight/query";
 
 type Point = [number, number, number];
 
+const NOTHING = "Nothing is seen there to measure from: click a body.";
+
 // `changed`: is called for each line that is drawn here.
 export function make_measuring(viewer: Viewer, signal: AbortSignal, changed: () => void) {
   const begun = () => {
@@ -26,7 +28,7 @@ export function make_measuring(viewer: Viewer, signal: AbortSignal, changed: () 
 
   return {
     click(seen: Seen | null): void {
-      if (!seen) return say("There is no surface to measure from: click one.");
+      if (!seen) return say(NOTHING);
       batch(() => {
         const line = begun();
         if (line && length_of({ from: line.from, to: [...seen.at] }) === 0) return; // the second click of a double click
@@ -44,7 +46,7 @@ export function make_measuring(viewer: Viewer, signal: AbortSignal, changed: () 
     },
 
     async thickness(seen: Seen | null): Promise<void> {
-      if (!seen) return say("There is no surface to measure from: click one.");
+      if (!seen) return say(NOTHING);
       try {
         const thickness = await fetch_thickness(seen, signal);
         if (!thickness) return say("This is where the view cuts the material, not its surface: there is no normal to measure along.");
