@@ -37,7 +37,7 @@ FractionCounter::FractionCounter(const std::vector<Layer>& layers, const Labels&
       frame_(meta.frame()),
       samples_(samples),
       total_(sub_samples(samples)),
-      composer_(layers, labels.rank, labels.of_body, meta.ray_axis),
+      composer_(layers, labels.rank, labels.of_body, labels.of_overlap, meta.ray_axis),
       sub_tile_{frame_, {}, {}, &axis_} {}
 
 void FractionCounter::count(const Cells& all, std::span<const SceneFacet* const> facets, Engine& engine, MixedCells& out) {

@@ -28,7 +28,7 @@ LinkFinder::LinkFinder(const Scene& scene, const std::vector<Layer>& layers, con
       only_patch_(scene.bodies.size(), kNoPatch),
       lines_{FacetLines{meta.grid, 0, meta.grid.axis[0]}, FacetLines{meta.grid, 1, meta.grid.axis[1]}, FacetLines{meta.grid, 2, meta.grid.axis[2]}},
       marker_(scene, meta, labels, false),
-      composer_(layers, labels.rank, labels.of_body, meta.ray_axis) {
+      composer_(layers, labels.rank, labels.of_body, labels.of_overlap, meta.ray_axis) {
   std::unordered_map<std::string_view, std::pair<uint32_t, int>> of_body;  // a patch, and how many there are
   for (uint32_t i = 0; i < meta.patches.size(); ++i) {
     auto& [patch, number] = of_body[meta.patches[i].body];

@@ -48,10 +48,11 @@ bool by_turns(std::span<const uint64_t> c, uint32_t length) {
 
 }  // namespace
 
-Composer::Composer(std::vector<Layer> layers, const std::vector<uint32_t>& rank, const std::vector<Label>& label, int ray_axis)
+Composer::Composer(std::vector<Layer> layers, const std::vector<uint32_t>& rank, const std::vector<Label>& label, const std::vector<Label>& in_others,
+                   int ray_axis)
     : layers_(std::move(layers)), counter_(layers_.size(), 0), overlaps_(label.size(), ray_axis) {
   bodies_.reserve(label.size());
-  for (uint32_t b = 0; b < label.size(); ++b) bodies_.push_back({rank[b], label[b]});
+  for (uint32_t b = 0; b < label.size(); ++b) bodies_.push_back({rank[b], label[b], in_others[b]});
 }
 
 std::vector<BodyCells> Composer::take_cells() {
@@ -205,6 +206,16 @@ size_t Composer::compose_one_layer(std::span<const uint64_t> all, uint32_t lengt
   return layer.evenodd ? counter & 1 : counter != 0;
 }
 
+// Of the cell whose crossings were the last to be stepped. Bodies that only keep it are not among those that its sample point lies in.
+inline Label Composer::label_here() const {
+  if (inside_.empty()) return 0;
+  const Body& owner = bodies_[inside_.back().body];
+  if (owner.label == owner.in_others) return owner.label;
+  int bodies = 0;
+  for (auto body = inside_.rbegin(); body != inside_.rend() && bodies < 2; ++body) bodies += body->from != kNowhere;
+  return bodies < 2 ? owner.label : owner.in_others;
+}
+
 size_t Composer::compose_any(std::span<const uint64_t> all, uint32_t length, uint32_t*& at, uint32_t& pattern, PatternTable& patterns) {
   sets_.assign(1, 0);
   owner_ = {kNowhere, 0};
@@ -218,7 +229,7 @@ size_t Composer::compose_any(std::span<const uint64_t> all, uint32_t length, uin
     if (i - begin > 1) note_pairs(all.subspan(begin, i - begin), length);
     if (cell >= length) continue;
     if (inside_.size() > 1 && inside_.back().rank != owner_.rank) owner_ = {inside_.back().rank, cell};
-    const Label label = inside_.empty() ? 0 : bodies_[inside_.back().body].label;
+    const Label label = label_here();
     if (cell == 0) {
       sets_[0] = label;
     } else if (label != sets_.back()) {

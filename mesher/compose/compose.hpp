@@ -31,9 +31,10 @@ struct BodyCells {
 // Not thread-safe: it keeps scratch memory.
 class Composer {
  public:
-  // `rank[b]` is the rank of body b: all are different, and 0 wins over all others. `label[b]` is its label; label 0 is the
-  // background. `ray_axis`: that of all rays.
-  Composer(std::vector<Layer> layers, const std::vector<uint32_t>& rank, const std::vector<Label>& label, int ray_axis);
+  // `rank[b]` is the rank of body b: all are different, and 0 wins over all others. `label[b]` is its label, and `in_others[b]` that of its cells
+  // whose sample points lie in several bodies; label 0 is the background. `ray_axis`: that of all rays.
+  Composer(std::vector<Layer> layers, const std::vector<uint32_t>& rank, const std::vector<Label>& label, const std::vector<Label>& in_others,
+           int ray_axis);
   // Turns the crossings of a tile of nu x nv rays of `length` cells into runs, and sorts the crossings. Every layer's surface
   // is closed, so its counter is back at zero where the ray ends. Throws Error when it is not.
   void compose(Crossings& crossings, uint32_t nu, uint32_t nv, uint32_t length, RayBlock& out);
@@ -48,7 +49,7 @@ class Composer {
  private:
   struct Body {
     uint32_t rank;
-    Label label;
+    Label label, in_others;
     int marks = 0;                  // that the ray is in: the cells there are the body's, but not inside it
     uint16_t layers = 0;            // that the ray is inside of, of its two
     bool met = false;               // since take_cells()
@@ -67,6 +68,7 @@ class Composer {
   void step(uint64_t crossing, uint32_t cell);
   void enter(const Inside& body);
   void leave(uint32_t rank, uint32_t cell);
+  Label label_here() const;
   std::vector<Inside>::iterator place_inside(uint32_t rank);
   Body& meet(uint32_t body) {
     Body& b = bodies_[body];

@@ -91,11 +91,12 @@ void put_grid_volume(CadReport& cad, size_t b, const Plan& plan, const CastTotal
     cell *= axis.step();
   }
   double cells = static_cast<double>(totals.cells[b]);
-  const Label label = plan.labels.of_body[b];
+  const std::set<Label> labels = {plan.labels.of_body[b], plan.labels.of_overlap[b]};
   const Channel* fractions = find_fractions(plan.meta);
-  cad.by_shares = fractions && std::ranges::count(plan.labels.of_body, label) == 1;
-  if (const auto more = totals.shares.find(label); cad.by_shares && more != totals.shares.end())
-    cells += static_cast<double>(more->second) / sub_samples(subdivision_of(*fractions));
+  cad.by_shares = fractions && std::ranges::count(plan.labels.of_body, plan.labels.of_body[b]) == 1;
+  for (const Label label : labels)
+    if (const auto more = totals.shares.find(label); cad.by_shares && more != totals.shares.end())
+      cells += static_cast<double>(more->second) / sub_samples(subdivision_of(*fractions));
   cad.grid_volume = cells * cell;
 }
 

@@ -65,6 +65,8 @@ Plan make_plan(const Scene& scene, const Bodies& bodies, std::optional<int> axis
   meta.chunk_rays = chunk_rays;
   meta.chunk_cells = chunk_length(links ? plan.rays.crossings[0] + plan.rays.crossings[1] + plan.rays.crossings[2] : plan.rays.crossings[w],
                                   rays_along(meta.grid, w), meta.grid.cells()[w], chunk_rays);
+  if (links && scene.label_by == LabelBy::kOverlap)
+    throw UsageError("links lie where bodies end, not where overlaps do: with links, \"label_by\" is \"material\" or \"body\", not \"overlap\"");
   plan.labels = make_labels(scene);
   meta.materials = plan.labels.materials;
   meta.labels = plan.labels.labels;

@@ -21,7 +21,10 @@ namespace teracell::mesher {
 struct Worker {
   Worker(std::unique_ptr<Engine> by, const std::vector<Layer>& layers, const Labels& labels, const Scene& scene, const Metadata& meta,
          const MeshOptions& options)
-      : engine(std::move(by)), marker(scene, meta, labels, options.thin), composer(layers, labels.rank, labels.of_body, meta.ray_axis), adder(meta) {
+      : engine(std::move(by)),
+        marker(scene, meta, labels, options.thin),
+        composer(layers, labels.rank, labels.of_body, labels.of_overlap, meta.ray_axis),
+        adder(meta) {
     if (options.fractions) fractions.emplace(layers, labels, meta, *options.fractions);
     if (options.links) links.emplace(scene, layers, labels, meta);
   }

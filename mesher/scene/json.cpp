@@ -397,7 +397,7 @@ Json normalised_without_bodies(const Scene& scene) {
   materials.reserve(scene.materials.size());
   for (const SceneMaterial& m : scene.materials) materials.push_back({m.name, {{"color", m.color}}});
   json["materials"] = std::move(materials);
-  json["label_by"] = scene.label_by_body ? "body" : "material";
+  json["label_by"] = kLabelByNames[static_cast<size_t>(scene.label_by)];
   return json;
 }
 
@@ -467,7 +467,7 @@ Scene parse_scene(const std::string& json_text, const fs::path& folder) try {
     for (const JsonNode& s : sample->items())
       if (!(s.number() >= 0 && s.number() < 1)) s.fail("a number from 0 to below 1");
   }
-  if (const auto label = root.find("label_by")) scene.label_by_body = label->choice({"material", "body"}) == 1;
+  if (const auto label = root.find("label_by")) scene.label_by = static_cast<LabelBy>(label->choice(kLabelByNames));
   const MaterialIds ids = parse_materials(root, scene);
   const JsonNode bodies = root.require("bodies");
   const std::vector<JsonNode> items = bodies.items();

@@ -39,15 +39,20 @@ Labels make_labels(const Scene& scene) {
   Labels out;
   out.rank = ranks_of_bodies(scene);
   out.materials = ranked_materials(scene, out.rank);
-  if (!scene.label_by_body) {
-    for (uint32_t m = 0; m < scene.materials.size(); ++m) out.labels.push_back({m, ""});
+  const auto add = [&](LabelInfo label) {
+    out.labels.push_back(std::move(label));
+    return static_cast<Label>(out.labels.size() - 1);
+  };
+  if (scene.label_by == LabelBy::kMaterial) {
+    for (uint32_t m = 0; m < scene.materials.size(); ++m) add({m, ""});
     for (const SceneBody& body : scene.bodies) out.of_body.push_back(body.material);
+    out.of_overlap = out.of_body;
     return out;
   }
-  out.labels.push_back({0, ""});
+  add({0, ""});
   for (const SceneBody& body : scene.bodies) {
-    out.of_body.push_back(static_cast<Label>(out.labels.size()));
-    out.labels.push_back({body.material, body.name});
+    out.of_body.push_back(add({body.material, body.name}));
+    out.of_overlap.push_back(scene.label_by == LabelBy::kOverlap ? add({body.material, body.name, true}) : out.of_body.back());
   }
   return out;
 }

@@ -9,6 +9,7 @@ namespace teracell::mesher {
 struct Labels {
   std::vector<uint32_t> rank;           // of each body; rank 0 wins over all others
   std::vector<Label> of_body;           // label 0 is the background
+  std::vector<Label> of_overlap;        // of each body's cells that lie in other bodies as well; the same where these are not kept apart
   std::vector<LabelInfo> labels;        // by label
   std::vector<MaterialInfo> materials;  // in the order of the scene, with their ranks
 };

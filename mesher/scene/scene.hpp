@@ -77,6 +77,10 @@ struct SceneAxis {
   }
 };
 
+// What a label stands for: a material; a body; or what of a body lies in no other one, and what lies in others as well.
+enum class LabelBy { kMaterial, kBody, kOverlap };
+inline constexpr std::array<std::string_view, 3> kLabelByNames = {"material", "body", "overlap"};  // in the order of LabelBy
+
 struct Scene {
   std::string units = "m";
   std::array<SceneAxis, 3> axis;
@@ -87,7 +91,7 @@ struct Scene {
   std::optional<int64_t> longest_cells;
   std::vector<SceneMaterial> materials;  // [0] is the background
   std::vector<SceneBody> bodies;
-  bool label_by_body = false;
+  LabelBy label_by = LabelBy::kMaterial;
   friend bool operator==(const Scene&, const Scene&) = default;
 };
 

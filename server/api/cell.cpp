@@ -73,7 +73,9 @@ Response answer_cell(const GridRequest& r) {
         out.key("bodies").begin_array();
         for (const Label label : *run.set) {
           const LabelInfo& info = meta.labels[label];
-          out.begin_object().field("label", label).field("name", info.body).field("material", info.material).end_object();
+          out.begin_object().field("label", label).field("name", info.body).field("material", info.material);
+          if (info.overlap) out.field("overlap", true);
+          out.end_object();
         }
         out.end_array();
       }

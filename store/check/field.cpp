@@ -71,7 +71,7 @@ class Columns {
 
 std::vector<Label> labels_here(const Metadata& meta) {
   std::vector<Label> out(meta.labels.size());
-  for (size_t label = 0; label < out.size(); ++label) out[label] = meta.labels[label].material == 0 ? 0 : static_cast<Label>(label);
+  for (Label label = 0; label < out.size(); ++label) out[label] = meta.labels[label].material == 0 ? 0 : without_overlap(meta, label);
   return out;
 }
 

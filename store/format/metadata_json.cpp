@@ -93,7 +93,10 @@ Metadata metadata_from(const JsonNode& j, std::span<const ChannelKind> known) {
   j.each("materials", [&](const JsonNode& m) {
     meta.materials.push_back({m.require("name").any_text(), m.require("color").any_text(), whole<uint32_t>(m, "rank", 65535)});
   });
-  j.each("labels", [&](const JsonNode& l) { meta.labels.push_back({whole<uint32_t>(l, "material", 65535), text_or_none(l, "body")}); });
+  j.each("labels", [&](const JsonNode& l) {
+    const auto overlap = l.find("overlap");
+    meta.labels.push_back({whole<uint32_t>(l, "material", 65535), text_or_none(l, "body"), overlap && overlap->boolean()});
+  });
   j.each("patches", [&](const JsonNode& p) {
     meta.patches.push_back({p.require("name").any_text(), text_or_none(p, "body"), p.require("area").exact()});
   });
@@ -133,7 +136,12 @@ void check(const Metadata& meta) {
     expect(m.rank <= meta.materials[0].rank, "no rank may be above the background's", "7.3");
     taken[m.rank] = true;
   }
-  for (const LabelInfo& l : meta.labels) expect(l.material < meta.materials.size(), "a label names a material that is not there", "7.4");
+  for (size_t i = 0; i < meta.labels.size(); ++i) {
+    const LabelInfo& l = meta.labels[i];
+    expect(l.material < meta.materials.size(), "a label names a material that is not there", "7.4");
+    expect(!l.overlap || (i > 0 && !l.body.empty() && meta.labels[i - 1] == LabelInfo{l.material, l.body}),
+           "a label of overlaps comes right after the label of its body", "7.4");
+  }
   std::unordered_set<std::string_view> patches;
   for (const PatchInfo& p : meta.patches) {
     expect(std::isfinite(p.area) && p.area >= 0, "the area of a patch is 0 or more", "7.5");
@@ -163,6 +171,7 @@ Bytes encode_metadata(const Metadata& meta) {
   for (const LabelInfo& l : meta.labels) {
     Json label = {{"material", l.material}};
     if (!l.body.empty()) label["body"] = l.body;
+    if (l.overlap) label["overlap"] = true;
     j["labels"].push_back(label);
   }
   for (const PatchInfo& p : meta.patches) {

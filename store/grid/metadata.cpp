@@ -23,7 +23,7 @@ std::string beyond_bounds(const Metadata& meta) {
   };
   size_t names = 0, values = kRoomForOthers + 4 * meta.materials.size() + 3 * meta.labels.size() + 4 * meta.patches.size();
   for (const MaterialInfo& m : meta.materials) look_at(m.name), names += m.name.size();
-  for (const LabelInfo& l : meta.labels) look_at(l.body);
+  for (const LabelInfo& l : meta.labels) look_at(l.body), values += l.overlap;
   size_t patch_names = 0;
   for (const PatchInfo& p : meta.patches) look_at(p.name), look_at(p.body), patch_names += p.name.size() + p.body.size();
   if (patch_names > kMostPatchNames)

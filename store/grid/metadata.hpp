@@ -25,7 +25,8 @@ struct MaterialInfo {
 // What a label stands for.
 struct LabelInfo {
   uint32_t material = 0;
-  std::string body;  // empty unless labels keep bodies apart
+  std::string body;      // empty unless labels keep bodies apart
+  bool overlap = false;  // of the body's cells that lie in other bodies as well; the label before it is that of its other cells
   friend bool operator==(const LabelInfo&, const LabelInfo&) = default;
 };
 
@@ -89,6 +90,8 @@ struct Metadata {
   RayFrame frame() const { return RayFrame::along(ray_axis); }
   friend bool operator==(const Metadata&, const Metadata&) = default;
 };
+// What a label is where it does not matter whether cells lie in other bodies as well.
+inline uint32_t without_overlap(const Metadata& meta, uint32_t label) { return meta.labels[label].overlap ? label - 1 : label; }
 // Whether labels stand for bodies, and not only for materials.
 bool keeps_bodies(const Metadata& meta);
 // What in the metadata is longer than a file may say, as a sentence for people; empty if nothing is.

@@ -109,8 +109,12 @@ std::string info_json(const GridReader& reader, std::string_view id) {
     out.begin_object().field("id", i).field("name", m.name).field("color", m.color).field("rank", m.rank).end_object();
   });
   if (keeps_bodies(meta))
-    write_all(out, "labels", meta.labels,
-              [&](size_t i) { out.begin_object().field("material", meta.labels[i].material).field("body", meta.labels[i].body).end_object(); });
+    write_all(out, "labels", meta.labels, [&](size_t i) {
+      const LabelInfo& label = meta.labels[i];
+      out.begin_object().field("material", label.material).field("body", label.body);
+      if (label.overlap) out.field("overlap", true);
+      out.end_object();
+    });
   write_all(out, "patches", meta.patches, [&](size_t i) {
     const PatchInfo& p = meta.patches[i];
     out.begin_object().field("id", i).field("name", p.name).field("body", p.body).field("area", p.area).end_object();
@@ -152,6 +156,7 @@ std::string body_stats_json(const Metadata& meta, const Box& region, const std::
   write_all(out, "bodies", of_labels, [&](size_t i) {
     const LabelInfo& label = meta.labels[i];
     out.begin_object().field("label", i).field("name", label.body).field("material", label.material);
+    if (label.overlap) out.field("overlap", true);
     write_amount(out, of_labels[i]);
   });
   out.end_object();

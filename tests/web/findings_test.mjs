@@ -4,7 +4,7 @@ import test from "node:test";
 import { after } from "node:test";
 import { readFileSync } from "node:fs";
 import { join } from "node:path";
-import { close, folder, open_page, screenshot, serve, server_and_browser, settled, state } from "./support.mjs";
+import { close, folder, open_page, packed, pixels, screenshot, serve, server_and_browser, settled, state } from "./support.mjs";
 
 const { server, browser } = await server_and_browser();
 const checked = await serve(join(folder, "checked"));
@@ -65,6 +65,49 @@ test("what is gone to is isolated, which is said and kept in the link; all is sh
   assert.equal(await state(page, "isolated"), null);
   assert.equal(await page.getByRole("button", { name: "Show all again" }).count(), 0);
   assert.deepEqual(await state(page, "looks"), looks);
+  await close(page);
+});
+
+test("the cells that two bodies have in common are drawn by themselves, in slices and in three dimensions, where the file keeps them apart", async () => {
+  const page = await open_page(browser, `${checked.url}#g=overlap&panel=report`);
+  await settled(page);
+  await page.locator("summary", { hasText: "Overlaps" }).click();
+  await page.locator(".finding", { hasText: "'block' and 'plate'" }).getByRole("button", { name: /Go there/ }).click();
+  assert.equal(await page.locator(".isolated-note b").textContent(), "the overlap of block and plate");
+  const common = [[20, 25], [15, 25], [10, 30]];
+  await settled(page);
+  for (const [axis, u, v, w] of [["z", 0, 1, 2], ["x", 1, 2, 0], ["y", 0, 2, 1]]) {
+    const [centre, zoom, at] = [await state(page, "centre"), await state(page, "zoom"), await state(page, "cell")];
+    assert.ok(common[w][0] <= at[w] && at[w] < common[w][1]);
+    const { width, height, data } = await pixels(page, axis);
+    const along = (pixel, size, d, sign) => centre[d] + (sign * (pixel + 0.5 - size / 2)) / zoom;
+    const inside = (place, d) => Math.min(place - common[d][0], common[d][1] - place) * zoom; // pixels from the sides
+    let seen = 0;
+    for (let y = 0; y < height; ++y)
+      for (let x = 0; x < width; ++x) {
+        const off = Math.min(inside(along(x, width, u, 1), u), inside(along(y, height, v, -1), v));
+        if (Math.abs(off) < 1.5) continue; // the pixel may hold both
+        assert.equal(data[y * width + x] === packed(225, 29, 138), off > 0, `${axis} ${x} ${y}`);
+        seen += Number(off > 0);
+      }
+    assert.ok(seen > 1000);
+  }
+  await page.waitForSelector('.overview[data-state="sharp"]');
+  const [png, box] = [await screenshot(page, "overlap"), await page.locator(".overview").boundingBox()];
+  let hue = 0;
+  for (let y = Math.ceil(box.y); y < box.y + box.height; ++y)
+    for (let x = Math.ceil(box.x); x < box.x + box.width; ++x) {
+      const [r, g, b] = [0, 8, 16].map((shift) => (png.data[y * png.width + x] >> shift) & 255);
+      hue += Number(r > 1.8 * g && b > 1.2 * g && r > b);
+    }
+  assert.ok(hue > 2000, `${hue} pixels have the hue of the overlap`);
+  const other = await open_page(browser, page.url());
+  await other.getByText("the overlap of block and plate").waitFor();
+  assert.deepEqual(await state(other, "isolated"), await state(page, "isolated"));
+  await close(other);
+  await page.locator("#panel-tab-bodies, [role=tab]", { hasText: "Bodies" }).click();
+  const titles = await page.locator(".materials .material-title").allTextContents();
+  assert.equal(titles.length, 4, "what lies in other bodies is no item of its own");
   await close(page);
 });
 

@@ -13,8 +13,8 @@ using namespace testing;
 struct SomeBodies {
   std::vector<Layer> layers;
   std::vector<uint32_t> rank;
-  std::vector<Label> label;
-  Composer composer() const { return {layers, rank, label, 2}; }
+  std::vector<Label> label, in_others;  // none: the same
+  Composer composer() const { return {layers, rank, label, in_others.empty() ? label : in_others, 2}; }
 };
 
 // A tile of one row of rays, each a list of crossings.
@@ -210,6 +210,7 @@ TEST_CASE("Cells, what bodies own and cover, and where they overlap, are those o
     for (int b = 0; b < count; ++b) {
       bodies.rank.push_back(static_cast<uint32_t>(b));
       bodies.label.push_back(static_cast<Label>(random_int(random, 0, 3)));
+      bodies.in_others.push_back(scene % 2 == 0 ? bodies.label.back() : static_cast<Label>(random_int(random, 0, 5)));
       for (const bool evenodd : {false, true}) bodies.layers.push_back({static_cast<uint32_t>(b), evenodd});
     }
     std::ranges::shuffle(bodies.rank, random);
@@ -231,7 +232,8 @@ TEST_CASE("Cells, what bodies own and cover, and where they overlap, are those o
         for (uint32_t cell = 0; cell < length; ++cell) {
           const std::vector<bool> holds = holders(bodies, rays[ray], cell);
           const auto owner = strongest(bodies, holds);
-          expected.push_back(owner ? bodies.label[*owner] : 0);
+          const bool overlap = std::ranges::count(holds, true) > 1;
+          expected.push_back(owner ? (overlap ? bodies.in_others : bodies.label)[*owner] : 0);
           for (uint32_t b = 0; b < holds.size(); ++b)
             if (holds[b]) ++(b == *owner ? cells[b].first : cells[b].second);
           for (uint32_t b = 0; b < holds.size(); ++b)

@@ -80,8 +80,8 @@ TEST_CASE("Chunks are as long as 65,536 cells, and shorter by halves where one w
 TEST_CASE("The plan's metadata are those of scene, labels and options") {
   Scene scene = scene_on({10, 20, 30}, {1, 2, 3});
   scene.sample = {0, 0.25, 0.5};
-  for (const bool by_body : {false, true}) {
-    scene.label_by_body = by_body;
+  for (const LabelBy by : {LabelBy::kMaterial, LabelBy::kBody, LabelBy::kOverlap}) {
+    scene.label_by = by;
     const Plan plan = plan_of(scene, {1, 1, 1}, {}, 16);
     const Labels labels = make_labels(scene);
     CHECK(plan.meta.units == "mm");
@@ -93,6 +93,13 @@ TEST_CASE("The plan's metadata are those of scene, labels and options") {
     CHECK(plan.labels.of_body == labels.of_body);
     CHECK(plan.labels.rank == labels.rank);
   }
+}
+
+TEST_CASE("Links and labels of overlaps exclude each other") {
+  Scene scene = scene_on({10, 10, 10}, {1, 1, 1});
+  scene.label_by = LabelBy::kOverlap;
+  CHECK_THROWS_WITH(make_plan(scene, {}, {}, 64, {}, true), Catch::Contains("links") && Catch::Contains("\"overlap\""));
+  CHECK_NOTHROW(make_plan(scene, {}, {}, 64, Subdivision{2, 2, 2}));
 }
 
 TEST_CASE("A domain that the scene leaves open is the box of all bodies with its pad") {

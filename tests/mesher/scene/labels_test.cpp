@@ -6,7 +6,7 @@
 namespace teracell::mesher {
 namespace {
 
-Scene scene_of(const std::vector<std::string>& materials, const std::vector<std::pair<uint32_t, int64_t>>& bodies, bool by_body = false) {
+Scene scene_of(const std::vector<std::string>& materials, const std::vector<std::pair<uint32_t, int64_t>>& bodies, LabelBy by = LabelBy::kMaterial) {
   Scene scene;
   scene.materials.push_back({"air", "#00000000"});
   for (const std::string& name : materials) scene.materials.push_back({name, "#112233"});
@@ -17,7 +17,7 @@ Scene scene_of(const std::vector<std::string>& materials, const std::vector<std:
     body.priority = priority;
     scene.bodies.push_back(body);
   }
-  scene.label_by_body = by_body;
+  scene.label_by = by;
   return scene;
 }
 
@@ -52,16 +52,27 @@ TEST_CASE("By material, a label is the material's number, and bodies of one mate
 }
 
 TEST_CASE("By body, every body has a label of its own that knows its material and name, the background's bodies too") {
-  const Labels labels = make_labels(scene_of({"steel", "oil"}, {{2, 0}, {1, 0}, {2, 9}, {0, 1}}, true));
+  const Labels labels = make_labels(scene_of({"steel", "oil"}, {{2, 0}, {1, 0}, {2, 9}, {0, 1}}, LabelBy::kBody));
   CHECK(labels.of_body == std::vector<Label>{1, 2, 3, 4});
   CHECK(labels.labels == std::vector<LabelInfo>{{0, ""}, {2, "body0"}, {1, "body1"}, {2, "body2"}, {0, "body3"}});
+}
+
+TEST_CASE("By overlap, every body has two labels: that of its cells, and behind it that of those which lie in other bodies as well") {
+  const Labels labels = make_labels(scene_of({"steel", "oil"}, {{2, 0}, {0, 1}}, LabelBy::kOverlap));
+  CHECK(labels.of_body == std::vector<Label>{1, 3});
+  CHECK(labels.of_overlap == std::vector<Label>{2, 4});
+  CHECK(labels.labels == std::vector<LabelInfo>{{0, ""}, {2, "body0"}, {2, "body0", true}, {0, "body1"}, {0, "body1", true}});
+  for (const LabelBy by : {LabelBy::kMaterial, LabelBy::kBody}) {
+    const Labels alike = make_labels(scene_of({"steel", "oil"}, {{2, 0}, {0, 1}}, by));
+    CHECK(alike.of_overlap == alike.of_body);
+  }
 }
 
 TEST_CASE("A material ranks as its strongest body; those without one come after, in the scene's order; the background is last") {
   // 1: body 0 and body 3; 2: no body; 3: body 1; 4: no body; 5: body 2
   const std::vector<std::pair<uint32_t, int64_t>> bodies = {{1, 0}, {3, 5}, {5, 1}, {1, 2}};
-  for (const bool by_body : {false, true}) {
-    const Labels labels = make_labels(scene_of({"a", "b", "c", "d", "e"}, bodies, by_body));
+  for (const LabelBy by : {LabelBy::kMaterial, LabelBy::kBody, LabelBy::kOverlap}) {
+    const Labels labels = make_labels(scene_of({"a", "b", "c", "d", "e"}, bodies, by));
     CHECK(ranks(labels) == std::vector<uint32_t>{5, 1, 3, 0, 4, 2});
   }
 }

@@ -75,7 +75,7 @@ TEST_CASE("what a scene leaves out has the specified default", "[scene]") {
   CHECK(s.units == "m");
   CHECK(s.sample == Vec3{0.5, 0.5, 0.5});
   CHECK(s.pad == 1);
-  CHECK_FALSE(s.label_by_body);
+  CHECK(s.label_by == LabelBy::kMaterial);
   CHECK(s.materials[0] == SceneMaterial{"air", "#00000000"});
   CHECK(s.bodies[0] == SceneBody{"hull", "models/hull.stl", "hull.stl", "", 1, 0, Fill::kAuto, {}, {}, {}, {}, kIdentity});
 }

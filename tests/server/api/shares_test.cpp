@@ -20,7 +20,7 @@ struct ServedShares {
     const std::vector<oracle::Body> bodies = {{shapes::sphere({30, 20, 30}, 13.3, 3), oracle::Rule::kNonzero, 1},
                                               {shapes::box({28.2, 10.6, 21.9}, {69.1, 30.4, 60.2}), oracle::Rule::kNonzero, 2}};
     mesher::Scene scene = scene_of(folder, bodies, space);
-    scene.label_by_body = by_body;
+    if (by_body) scene.label_by = mesher::LabelBy::kBody;
     scene.materials[1].color = "#ff0000", scene.materials[2].color = "#0000ff";
     scene.materials[2].name = "a/b";  // no segment of a path
     mesh_quietly(scene, folder / "g.tcell", options);

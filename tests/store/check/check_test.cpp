@@ -90,7 +90,7 @@ TEST_CASE("Sheets have no walls, nor has a material that sheets alone have", "[c
   same.facets = shapes::translate(square, {0, 0, 5}), same.material = 1;
   const auto walls = [&](const std::vector<oracle::Body>& bodies, bool by_body) {
     mesher::Scene scene = scene_of(folder, bodies, cube_grid(0, 20, 20));
-    scene.label_by_body = by_body;
+    scene.label_by = by_body ? mesher::LabelBy::kBody : mesher::LabelBy::kMaterial;
     mesh_quietly(scene, folder / "g.tcell");
     const Findings findings = check(GridReader(folder / "g.tcell"), {}, [](double) {});
     std::string out;
@@ -103,6 +103,25 @@ TEST_CASE("Sheets have no walls, nor has a material that sheets alone have", "[c
   CHECK(walls({plate, sheet}, false) == "m1 2 m1 is thin ");
   CHECK(walls({plate, sheet, same}, true) == "body0 2 body0 is thin ");
   CHECK(walls({plate, sheet, same}, false) == "m1 1 m1 is thin m1 is thin ");
+}
+
+TEST_CASE("What is found is the same whether overlaps have labels of their own or not", "[check]") {
+  const TempFolder folder;
+  const std::vector<oracle::Body> bodies = {{.facets = shapes::box({0, 2, 4}, {18, 18, 6}), .material = 1},
+                                            {.facets = shapes::box({3, 3, 3}, {9, 9, 17}), .material = 1},
+                                            {.facets = shapes::box({6, 6, 5}, {15, 15, 17}), .material = 0},
+                                            {.facets = shapes::box({12, 2, 2}, {13, 18, 8}), .material = 2}};
+  const auto findings = [&](mesher::LabelBy by) {
+    mesher::Scene scene = scene_of(folder, bodies, cube_grid(0, 20, 20));
+    scene.label_by = by;
+    mesh_quietly(scene, folder / "g.tcell");
+    std::string out;
+    const Findings all = check(GridReader(folder / "g.tcell"), {.thin_cells = 20}, [](double) {});
+    for (const Finding& f : all.list) out += fmt::format("{} {}\n", f.text, static_cast<uint64_t>(f.cells));
+    for (const WallReport& wall : all.walls) out += fmt::format("{} {}\n", wall.body, wall.thinnest.value_or(0));
+    return out;
+  };
+  CHECK(findings(mesher::LabelBy::kOverlap) == findings(mesher::LabelBy::kBody));
 }
 
 Metadata reported_grid(const char* units) {

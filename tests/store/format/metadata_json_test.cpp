@@ -18,7 +18,7 @@ Metadata some_metadata() {
                 Axis::uniform(0, 1e-74, 0, 17, 0)}};
   meta.ray_axis = 1;
   meta.materials = {{"air", "#00000000", 2}, {"\"steel\"\n", "#8899aa", 0}, {"", "#ffffff", 1}};
-  meta.labels = {{0, ""}, {2, "hull"}, {1, "déck"}, {1, ""}};
+  meta.labels = {{0, ""}, {2, "hull"}, {2, "hull", true}, {1, "déck"}, {1, ""}};
   meta.patches = {{"xmin", "", 0.1}, {"rüssel", "hull", 1.7976931348623157e308}, {"", "hull", 0}};
   meta.chunk_rays = 256;
   meta.chunk_cells = 1u << 31;
@@ -200,6 +200,9 @@ TEST_CASE("Numbers of the metadata that lie are refused") {
   refused("/materials/0/rank", 65536);
   refused("/labels/1/material", 3);
   refused("/labels", ordered_json::array());
+  for (const int label : {0, 1, 3, 4}) refused(fmt::format("/labels/{}/overlap", label).c_str(), true);  // not behind the label of the same body
+  refused("/labels/2/material", 1);
+  refused("/labels/2/overlap", 1);
   refused("/materials", ordered_json::array());
   refused("/patches/1/name", "xmin");  // equal to another
   refused("/patches/1/area", -1e-300);

@@ -1,12 +1,13 @@
 // What "Go there" isolates is shown in full and the rest is faint, whatever people have chosen before; that stays as it was.
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import type { GridInfo } from "@page/base/grid";
+import type { Amount, BodyStats, GridInfo } from "@page/base/grid";
 import { type LabelLook, shown_color } from "@page/base/materials";
-import { small_labels, with_room } from "@page/state/boxes";
-import { change_bodies } from "@page/state/bodies";
+import { small_labels, with_overlaps, with_room } from "@page/state/boxes";
+import { change_bodies, show_only } from "@page/state/bodies";
 import { go_to_finding } from "@page/visits/go_there";
-import { isolated_text, labels_named, looks_around } from "@page/state/isolation";
+import { isolated_text, labels_named, labels_of_overlap, looks_around } from "@page/state/isolation";
+import { named_places } from "@page/state/named_places";
 import { Viewer } from "@page/state/viewer";
 import { escape } from "@page/views/actions";
 
@@ -24,6 +25,13 @@ const info = {
   report: { bodies: [], inputs: [], warnings: [], scene: { bodies: [{ name: "wall", material: "steel" }, { name: "pipe", material: "steel" }] } },
 } as unknown as GridInfo;
 const apart = { ...info, labels: [{ material: 0, body: "" }, { material: 1, body: "wall" }, { material: 1, body: "pipe" }, { material: 2, body: "steel" }] } as GridInfo;
+const whole = (body: string, material = 1) => ({ material, body });
+const part = (body: string, material = 1) => ({ ...whole(body, material), overlap: true as const });
+const overlapping: GridInfo = {
+  ...info,
+  labels: [whole("", 0), whole("door"), whole("pipe"), part("pipe"), whole("wall"), part("wall"), whole("lid", 2), part("lid", 2)],
+  report: { ...info.report, overlaps: { list: [{ bodies: ["pipe", "wall"], owner: "wall" }, { bodies: ["pipe", "lid"], owner: null }] } },
+};
 
 test("what is isolated is opaque and in its colour, also when it was hidden; the rest is faint, and what was hidden of it stays hidden", () => {
   const viewer = new Viewer(apart);
@@ -41,7 +49,7 @@ test("what is isolated is opaque and in its colour, also when it was hidden; the
 
 test("in slices what is faint is hardly there, and beside what is isolated it does not count", () => {
   const look = (material: number, color: LabelLook["color"]): LabelLook => ({ material, color, visible: true, opacity: 1 });
-  const looks = looks_around([look(0, [0, 0, 0]), look(1, [255, 0, 0]), look(2, [0, 0, 255])], { labels: [2], box: null });
+  const looks = looks_around([look(0, [0, 0, 0]), look(1, [255, 0, 0]), look(2, [0, 0, 255])], { labels: [2], box: null }, apart.labels!);
   assert.ok(shown_color([1], looks)[3] < 50);
   assert.deepEqual(shown_color([2], looks), [0, 0, 255, 255]);
   const [red, , blue] = shown_color([1, 2], looks);
@@ -58,9 +66,46 @@ test("names stand for bodies, or for the material of a body that has no label of
 
 test("it is said what is isolated: a few by their names, many by their number", () => {
   const name = (label: number) => `body ${label}`;
-  assert.equal(isolated_text([1, 2], name, true), "body 1, body 2");
-  assert.equal(isolated_text([1, 2, 3, 4], name, true), "4 bodies");
-  assert.equal(isolated_text([], name, true), "a place");
+  const text = (labels: number[]) => isolated_text({ labels, box: null }, overlapping.labels!, name, true);
+  assert.equal(text([1, 2]), "body 1, body 2");
+  assert.equal(text([1, 2, 4, 6]), "4 bodies");
+  assert.equal(text([]), "a place");
+  assert.equal(text([1, 4, 5]), "the overlap of body 1 and body 4");
+});
+
+test("the cells that two bodies have in common are labels of their own: of the body that owns them, or of all where a third one owns some", () => {
+  assert.deepEqual(labels_of_overlap(overlapping, ["pipe", "wall"]), [5]);
+  assert.deepEqual(labels_of_overlap(overlapping, ["pipe", "lid"]), [3, 5, 7]);
+  assert.deepEqual(labels_of_overlap(apart, ["pipe", "wall"]), []);
+  assert.deepEqual(labels_named(overlapping, ["wood"]), [6], "what lies in others is no body of its own");
+});
+
+test("an overlap that is gone to is solid in its colour, in bodies of glass; a body that is gone to is whole; a body's look is that of all its cells", () => {
+  const viewer = new Viewer(overlapping);
+  change_bodies(viewer, [4], { color: [1, 2, 3] });
+  assert.deepEqual(viewer.label_looks.value[5]!.color, [1, 2, 3]);
+  go_to_finding(viewer, { at: [71, 51, 51], box: [35, 25, 25, 37, 29, 26], bodies: ["pipe", "wall"], kind: "overlap" });
+  assert.deepEqual(viewer.isolated.value!.labels, [2, 4, 5]);
+  const seen = () => viewer.shown_looks.value.slice(1).map(({ faint, glass }) => (faint ? "faint" : glass ? "glass" : "solid"));
+  assert.deepEqual(seen(), ["faint", "glass", "glass", "glass", "solid", "faint", "faint"]);
+  assert.notDeepEqual(viewer.shown_looks.value[5]!.color, viewer.shown_looks.value[4]!.color);
+  viewer.isolated.value = { labels: [4], box: null };
+  assert.deepEqual(seen(), ["faint", "faint", "faint", "solid", "solid", "faint", "faint"]);
+  show_only(viewer, [4]);
+  assert.deepEqual(viewer.label_looks.value.map(({ visible }) => visible), [false, false, false, false, true, true, false, false]);
+  assert.deepEqual(viewer.wholes, [0, 1, 2, 4, 6]);
+  assert.deepEqual(named_places(viewer).map(({ ids }) => ids), [[1], [2], [4], [6], [1], [2]]);
+});
+
+test("what a body fills is with what lies in other bodies as well", () => {
+  const amount = (cells: number, box: Amount["box"]) => ({ label: 0, name: "", material: 0, cells, volume: cells / 2, box });
+  const all = with_overlaps([amount(8, null), amount(3, [0, 0, 0, 3, 1, 1]), { ...amount(4, [2, 0, 0, 4, 2, 1]), overlap: true }, amount(0, null), { ...amount(2, [0, 0, 0, 2, 1, 1]), overlap: true }]);
+  assert.deepEqual(all.map(({ cells }) => cells), [8, 7, 4, 2, 2]);
+  assert.deepEqual(all[1]!.box, [0, 0, 0, 4, 2, 1]);
+  assert.equal(all[1]!.volume, 3.5);
+  assert.deepEqual(all[3]!.box, [0, 0, 0, 2, 1, 1]);
+  const large: BodyStats[] = [{ ...amount(2 ** 60, null), cells_text: String(2n ** 60n + 1n) }, { ...amount(3, null), overlap: true }];
+  assert.equal(with_overlaps(large)[0]!.cells_text, String(2n ** 60n + 4n));
 });
 
 test("a finding is gone to: its box is framed with room, and not its body; the crosshair is where it says", () => {

@@ -30,8 +30,10 @@ Rows materials_of(const Metadata& meta) {
 
 Rows bodies_of(const Metadata& meta) {
   Rows rows{"body: material", {}};
-  for (const LabelInfo& l : meta.labels)
-    rows.names.push_back(l.body.empty() ? meta.materials[l.material].name : fmt::format("{}: {}", l.body, meta.materials[l.material].name));
+  for (const LabelInfo& l : meta.labels) {
+    const std::string& material = meta.materials[l.material].name;
+    rows.names.push_back(l.body.empty() ? material : fmt::format("{}{}: {}", l.body, l.overlap ? " in others" : "", material));
+  }
   return rows;
 }
 

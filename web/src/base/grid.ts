@@ -19,7 +19,11 @@ export interface Material {
 export interface Label {
   material: number;
   body: string;
+  overlap?: true; // of the body's cells that lie in other bodies as well; the label before it is that of its other cells
 }
+
+// What a label is where it does not matter whether cells lie in other bodies as well.
+export const without_overlap = (labels: readonly Label[], label: number): number => (labels[label]?.overlap ? label - 1 : label);
 
 export interface Hole {
   at: [number, number, number];
@@ -65,6 +69,7 @@ export interface Report {
   warnings: string[];
   inputs: { path: string; format: string; bytes: number; hash: string }[]; // one for each body
   scene?: SceneReport | null; // null where there was no room for it
+  overlaps?: { list: { bodies: [string, string]; owner: string | null }[] }; // owner: of all cells that the two have in common
   ray_axis?: { axis: string; why: string; crossings_expected?: number[] };
 }
 
@@ -117,6 +122,7 @@ export interface BodyStats extends Amount {
   label: number;
   name: string; // of the body; empty for the background
   material: number;
+  overlap?: true; // as of a label
 }
 export interface Stats {
   region: [number, number, number, number, number, number];

@@ -1,7 +1,7 @@
 // How materials look, and bodies where the file keeps them apart: cells carry *labels*, which are materials or bodies. A
 // coarse cell holds a set of labels. Its colour is the mean of the colours of its materials, weighted by their opacity, as
 // in the pictures that the server makes. Only on the page, air weighs less.
-import type { Label, Material } from "./grid";
+import { type Label, type Material, without_overlap } from "./grid";
 
 export interface MaterialLook {
   color: readonly [number, number, number]; // sRGB, 0 to 255
@@ -12,6 +12,7 @@ export interface MaterialLook {
 export interface LabelLook extends MaterialLook {
   readonly material: number;
   readonly faint?: boolean; // where something is isolated: whether it only stands around that
+  readonly glass?: true; // it is shown for what lies in it
 }
 
 const FAINT = 0.14; // of the opacity
@@ -37,7 +38,7 @@ export function looks_of_labels(
 ): LabelLook[] {
   return labels.map(({ material }, label) => {
     const look = of_materials[material]!;
-    const own = of_bodies.get(label);
+    const own = of_bodies.get(without_overlap(labels, label));
     return { ...look, ...own, visible: look.visible && own?.visible !== false, material };
   });
 }

@@ -1,6 +1,6 @@
 // The cells of a part of a slice, as fine as a picture of a given width can show them, whatever is on the screen.
 import { type Axis, FRAMES } from "../base/axis";
-import type { AxisIndex } from "../base/grid";
+import { type AxisIndex, without_overlap } from "../base/grid";
 import type { LabelLook } from "../base/materials";
 import { get_patiently } from "../server/api";
 import type { Viewer } from "../state/viewer";
@@ -37,7 +37,7 @@ export async function fetch_cells(viewer: Viewer, axis: AxisIndex, window: Windo
   const camera = new Camera(axis, viewer.axes, width, height, 1, centre, zoom);
   const slice = viewer.cell.peek()[axis];
   const places = cover({ axis, slice, axes: viewer.axes, levels: viewer.info.levels.length, scale: zoom, seen: camera.seen() });
-  const sets = new SetTable();
+  const sets = new SetTable((label) => without_overlap(viewer.labels, label));
   const regions: Region[] = [];
   const waiting = places.entries();
   const take = async () => {

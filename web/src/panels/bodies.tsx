@@ -1,6 +1,6 @@
 // The bodies, where the file keeps them apart: how they look, and exactly how much of the grid they fill.
 import { grouped, product } from "../base/format";
-import type { Amount, CellAnswer } from "../base/grid";
+import { type Amount, type CellAnswer, without_overlap } from "../base/grid";
 import { use_answer } from "../server/answer";
 import { use_stats } from "../visits/amounts";
 import { change_bodies, show_all_bodies, show_only, with_change } from "../state/bodies";
@@ -12,8 +12,10 @@ import { distinct_color } from "./palette";
 
 function items_of(viewer: Viewer, amounts: readonly Amount[] | null): Item[] {
   const looks = viewer.label_looks.value;
-  const visible = looks.flatMap((look, label) => (look.visible ? [label] : []));
-  return viewer.labels.map(({ material, body }, label) => {
+  const wholes = viewer.wholes;
+  const visible = wholes.filter((label) => looks[label]!.visible);
+  return wholes.map((label) => {
+    const { material, body } = viewer.labels[label]!;
     const { name } = viewer.info.materials[material]!;
     const alone = visible.length === 1 && visible[0] === label;
     return {
@@ -31,11 +33,11 @@ function items_of(viewer: Viewer, amounts: readonly Amount[] | null): Item[] {
 }
 
 // The body of the cell that a click has pinned, in a slice or in three dimensions.
-function use_picked(viewer: Viewer): number | null {
+function use_picked(viewer: Viewer): number {
   const pinned = viewer.pinned.value;
   const address = pinned && viewer.address.cell(pinned);
   const answer = use_answer<CellAnswer>(address);
-  return address !== null && answer.path === address ? (answer.value?.bodies?.[0]?.label ?? null) : null;
+  return address !== null && answer.path === address ? without_overlap(viewer.labels, answer.value?.bodies?.[0]?.label ?? -1) : -1;
 }
 
 function Found({ viewer, found }: { viewer: Viewer; found: readonly Item[] }) {
@@ -57,13 +59,14 @@ function Found({ viewer, found }: { viewer: Viewer; found: readonly Item[] }) {
 
 export function BodiesPanel({ viewer }: { viewer: Viewer }) {
   const stats = use_stats(viewer);
-  const picked = use_picked(viewer);
+  const label = use_picked(viewer);
   const all = Number(product(viewer.cells));
-  const items = items_of(viewer, stats.value?.bodies ?? null);
+  const items = items_of(viewer, stats.value && viewer.amounts);
+  const picked = items.find(({ id }) => id === label);
   const own_looks = viewer.body_looks.value;
   const colored = [...own_looks.values()].some(({ color }) => color !== undefined);
   const give_colors = () => {
-    const bodies = viewer.labels.flatMap(({ body }, label) => (body ? [label] : []));
+    const bodies = viewer.wholes.filter((label) => viewer.labels[label]!.body);
     viewer.body_looks.value = with_change(own_looks, bodies, (label) => ({ color: distinct_color(label) }));
   };
   return (
@@ -86,13 +89,13 @@ export function BodiesPanel({ viewer }: { viewer: Viewer }) {
         </button>
       </div>
       {stats.error && <p class="problem">The cells can't be counted: {stats.error}</p>}
-      {picked === null ? (
+      {!picked ? (
         <p class="note">Click a body in a view to have it here.</p>
       ) : (
         <section aria-label="The body of the pinned cell">
           <h3>Picked</h3>
           <ul class="materials">
-            <LookCard key={picked} short={false} viewer={viewer} item={items[picked]!} all={all} />
+            <LookCard key={label} short={false} viewer={viewer} item={picked} all={all} />
           </ul>
           <h3>All</h3>
         </section>

@@ -95,6 +95,11 @@ function GroupOf({ viewer, group, on_open, on_visit }: GroupProps) {
         {opened && (
           <div class="body-details">
             <p class="note">{means}</p>
+            {group.kind === "overlap" && !viewer.labels.some(({ overlap }) => overlap) && (
+              <p class="note">
+                Meshed with <code>"label_by": "overlap"</code> in the scene, the cells of each overlap are shown by themselves.
+              </p>
+            )}
             <FirstOf class="places findings" list={group.findings} step={MANY}>
               {(finding, n) => <FindingLine key={n} viewer={viewer} finding={finding} on_visit={on_visit} />}
             </FirstOf>

@@ -36,7 +36,7 @@ function show_materials_of(viewer: Viewer, labels: readonly number[]): void {
 // Shows these bodies and nothing else.
 export function show_only(viewer: Viewer, labels: Iterable<number>): void {
   const wanted = new Set(labels);
-  const others = viewer.labels.flatMap((_, label) => (wanted.has(label) ? [] : [label]));
+  const others = viewer.wholes.filter((label) => !wanted.has(label));
   batch(() => {
     change_bodies(viewer, wanted, { visible: true });
     change_bodies(viewer, others, { visible: false });
@@ -44,9 +44,5 @@ export function show_only(viewer: Viewer, labels: Iterable<number>): void {
 }
 
 export function show_all_bodies(viewer: Viewer): void {
-  change_bodies(
-    viewer,
-    viewer.labels.map((_, label) => label),
-    { visible: true },
-  );
+  change_bodies(viewer, viewer.wholes, { visible: true });
 }

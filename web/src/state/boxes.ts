@@ -1,6 +1,6 @@
 // The boxes of what fills a grid: around several, how large, and which are small. Pure.
 import type { Axis } from "../base/axis";
-import { AXES, type Amount, for_axes } from "../base/grid";
+import { AXES, type Amount, type BodyStats, for_axes } from "../base/grid";
 import type { Range } from "./zoom";
 
 export type Box = [number, number, number, number, number, number]; // cells of level 0, half open: x0, y0, z0, x1, y1, z1
@@ -16,6 +16,18 @@ export function box_around(boxes: readonly (Box | null | undefined)[]): Box | nu
     if (!all || !box) return all ?? box ?? null;
     return [0, 1, 2, 3, 4, 5].map((end) => (end < 3 ? Math.min : Math.max)(all[end]!, box[end]!)) as Box;
   }, null);
+}
+
+// Where the cells that lie in other bodies as well have an amount of their own, each body's becomes that of both.
+export function with_overlaps<T extends BodyStats>(amounts: readonly T[]): readonly T[] {
+  return amounts.map((amount, label) => {
+    const more = amounts[label + 1];
+    if (!more?.overlap || more.cells === 0) return amount;
+    const { cells_text: _, ...rest } = amount;
+    const exact = BigInt(amount.cells_text ?? amount.cells) + BigInt(more.cells_text ?? more.cells);
+    const large = exact > BigInt(Number.MAX_SAFE_INTEGER) ? { cells_text: String(exact) } : {};
+    return { ...rest, ...large, cells: Number(exact), volume: amount.volume + more.volume, box: box_around([amount.box, more.box]) } as T;
+  });
 }
 
 const longest_side = (axes: Axes, box: Box): number => Math.max(...ranges_of(axes, box).map(({ min, max }) => max - min));

@@ -1,6 +1,6 @@
 // What "Go there" isolates: some bodies, or materials where the file does not keep bodies apart, are drawn in full, and all else stands around
 // them as faint as glass. What people have hidden, faded and coloured stays as it is behind that. Pure.
-import type { GridInfo, Label } from "../base/grid";
+import { type GridInfo, type Label, without_overlap } from "../base/grid";
 import type { LabelLook } from "../base/materials";
 import type { Box } from "./boxes";
 
@@ -9,10 +9,20 @@ export interface Isolation {
   readonly box: Box | null; // where something was found in them, to be outlined
 }
 
-export function looks_around(looks: readonly LabelLook[], isolation: Isolation | null): readonly LabelLook[] {
+// The colour of the cells that several bodies hold, where these are what is looked at. Their bodies are glass around them.
+const OVERLAP: LabelLook["color"] = [225, 29, 138];
+
+export const shows_overlap = (labels: readonly Label[], isolation: Isolation): boolean => isolation.labels.some((label) => labels[label]?.overlap);
+
+export function looks_around(looks: readonly LabelLook[], isolation: Isolation | null, labels: readonly Label[]): readonly LabelLook[] {
   if (!isolation) return looks;
   const wanted = new Set(isolation.labels);
-  return looks.map((look, label) => (wanted.has(label) ? { ...look, visible: true, opacity: 1, faint: false } : { ...look, faint: true }));
+  const around = shows_overlap(labels, isolation) ? ({ glass: true } as const) : {};
+  return looks.map((look, label) => {
+    const full = { ...look, visible: true, opacity: 1, faint: false };
+    if (labels[label]?.overlap && wanted.has(label)) return { ...full, color: OVERLAP };
+    return wanted.has(without_overlap(labels, label)) ? { ...full, ...around } : { ...look, faint: true };
+  });
 }
 
 // Of what is marked, what was gone to: the boxes and names of the rest would hide it.
@@ -32,16 +42,24 @@ export function labels_named(info: Named, names: readonly string[]): number[] {
     const own = labels.findIndex(({ body }) => body === name);
     const material = info.report.scene?.bodies.find((body) => body.name === name)?.material ?? name;
     if (own >= 0) found.add(own);
-    else labels.forEach((label, n) => materials[label.material]?.name === material && found.add(n));
+    else labels.forEach((label, n) => !label.overlap && materials[label.material]?.name === material && found.add(n));
   }
   return [...found].filter((label) => labels[label]!.material !== 0).sort((a, b) => a - b);
+}
+
+// The labels of the cells that two bodies have in common, where the file keeps them apart: those of the body that owns them all, or else of any.
+export function labels_of_overlap({ labels, report }: Named, bodies: readonly string[]): number[] {
+  const owner = report.overlaps?.list.find((one) => one.bodies.every((name, n) => name === bodies[n]))?.owner;
+  return (labels ?? []).flatMap(({ body, overlap }, n) => (overlap && body === (owner ?? body) ? [n] : []));
 }
 
 const MOST_NAMES = 3;
 
 // What is isolated, in words.
-export function isolated_text(labels: readonly number[], name_of: (label: number) => string, keeps_bodies: boolean): string {
-  if (labels.length === 0) return "a place";
-  if (labels.length > MOST_NAMES) return `${labels.length} ${keeps_bodies ? "bodies" : "materials"}`;
-  return labels.map(name_of).join(", ");
+export function isolated_text(isolation: Isolation, labels: readonly Label[], name_of: (label: number) => string, keeps_bodies: boolean): string {
+  const own = isolation.labels.filter((label) => !labels[label]?.overlap);
+  if (shows_overlap(labels, isolation)) return `the overlap of ${own.map(name_of).join(" and ")}`;
+  if (own.length === 0) return "a place";
+  if (own.length > MOST_NAMES) return `${own.length} ${keeps_bodies ? "bodies" : "materials"}`;
+  return own.map(name_of).join(", ");
 }

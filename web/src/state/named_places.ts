@@ -15,7 +15,7 @@ const branches_of = (list: readonly (Branch | Leaf)[]): Branch[] => list.flatMap
 
 // The background has no place of its own.
 export function named_places({ labels, info, keeps_bodies }: Pick<Viewer, "labels" | "info" | "keeps_bodies">): NamedPlace[] {
-  const bodies = keeps_bodies ? labels.flatMap(({ body }, id) => (body ? [{ name: body, kind: "body", of: "bodies" as const, ids: [id] }] : [])) : [];
+  const bodies = keeps_bodies ? labels.flatMap(({ body, overlap }, id) => (body && !overlap ? [{ name: body, kind: "body", of: "bodies" as const, ids: [id] }] : [])) : [];
   const materials = info.materials.slice(1).map(({ id, name }) => ({ name, kind: "material", of: "materials" as const, ids: [id] }));
   const items = keeps_bodies ? bodies : materials;
   const parts = branches_of(part_tree(items.map(({ name }) => name)) ?? []).map(({ path, places }) => ({

@@ -7,7 +7,7 @@ import { type Amount, type AxisIndex, GridAddress, type GridInfo, type Index3, t
 import { type LabelLook, type MaterialLook, initial_looks, looks_of_labels } from "../base/materials";
 import { upright_axis } from "../base/upright";
 import { TileCounters } from "../tiles/counters";
-import { type Box, ranges_of, small_labels } from "./boxes";
+import { type Box, ranges_of, small_labels, with_overlaps } from "./boxes";
 import { type Isolation, looks_around, marks_in } from "./isolation";
 import { type Range, type ViewSize, fitting_zoom } from "./zoom";
 
@@ -171,7 +171,7 @@ export class Viewer {
     this.standard_looks = initial_looks(info.materials);
     this.looks = signal(this.standard_looks);
     this.label_looks = computed(() => looks_of_labels(this.labels, this.looks.value, this.body_looks.value));
-    this.shown_looks = computed(() => looks_around(this.label_looks.value, this.isolated.value));
+    this.shown_looks = computed(() => looks_around(this.label_looks.value, this.isolated.value, this.labels));
     this.marks = computed(() => marks_in(this.markers.value, this.isolated.value));
     this.small = computed(() => small_labels(this.axes, this.amounts ?? [], (label) => this.labels[label]!.material === 0));
     this.standard_sky = upright_axis(info.report);
@@ -190,10 +190,14 @@ export class Viewer {
   get has_shares(): boolean {
     return this.info.channels.some(({ name, coding }) => name === "fractions" && coding === "shares");
   }
-  // What each label fills, once it is known.
+  // What each label fills, once it is known; what bodies fill is with what lies in others as well.
   get amounts(): readonly Amount[] | null {
     const stats = this.stats.value;
-    return stats && (this.keeps_bodies && stats.bodies ? stats.bodies : stats.materials);
+    return stats && (this.keeps_bodies && stats.bodies ? with_overlaps(stats.bodies) : stats.materials);
+  }
+  // The labels of bodies as wholes, or of materials.
+  get wholes(): number[] {
+    return this.labels.flatMap(({ overlap }, label) => (overlap ? [] : [label]));
   }
   // The name of each label's material.
   get material_names(): string[] {
@@ -201,9 +205,9 @@ export class Viewer {
   }
   // The name of what a label stands for.
   name_of(label: number): string {
-    const { material, body } = this.labels[label] ?? { material: label, body: "" };
+    const { material, body, overlap }: Label = this.labels[label] ?? { material: label, body: "" };
     const name = this.info.materials[material]?.name ?? String(material);
-    return body ? `${body} · ${name}` : name;
+    return body ? `${body} · ${name}${overlap ? ", in other bodies as well" : ""}` : name;
   }
 
   // An address that is asked for once the slices have been shown.

@@ -11,6 +11,9 @@ export class SetTable {
   private readonly numbers = new Map<string, number>();
   private readonly sets: (readonly number[])[] = [[], []];
 
+  // `whole`: of which label a label is a part.
+  constructor(private readonly whole: (label: number) => number = (label) => label) {}
+
   get size(): number {
     return this.sets.length;
   }
@@ -38,10 +41,13 @@ export class SetTable {
     return this.is_shared_out(parts) ? color_of_shares(parts, looks) : shown_color(parts, looks);
   }
 
-  // The number of the set that a cell has without its shares.
+  // The number of the set that a cell has without its shares, of whole labels.
   owner(number: number): number {
     const parts = this.parts(number);
-    return parts && this.is_shared_out(parts) ? this.number_of(parts.slice(0, 1)) : number;
+    if (!parts) return number;
+    const own = this.is_shared_out(parts) ? parts.slice(0, 1) : parts;
+    const wholes = own.map(this.whole).filter((label, n, all) => label !== all[n - 1]);
+    return own === parts && wholes.every((label, n) => label === own[n]) && wholes.length === own.length ? number : this.number_of(wholes);
   }
 
   // The same as members(), but each label of a mixed cell as often as its share of the cell says, the cell's own label first.

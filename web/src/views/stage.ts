@@ -3,7 +3,7 @@
 // level shown and the cell under the pointer.
 import { type ReadonlySignal, type Signal, effect, signal } from "@preact/signals";
 import { FRAMES } from "../base/axis";
-import { AXIS_NAMES, type AxisIndex } from "../base/grid";
+import { AXIS_NAMES, type AxisIndex, without_overlap } from "../base/grid";
 import { say, words_of } from "../base/messages";
 import { get } from "../server/api";
 import { returned } from "../server/connection";
@@ -43,7 +43,7 @@ const LONGEST_WAIT = 2000; // milliseconds after which other requests wait no lo
 
 export class Stage {
   readonly views: readonly [View, View, View] = [new View(0), new View(1), new View(2)];
-  readonly sets = new SetTable();
+  readonly sets: SetTable;
   readonly store: TileStore<Tile>;
   readonly leaves: TileStore<LeafTile>;
   // Called at the end of each frame that was drawn.
@@ -65,7 +65,7 @@ export class Stage {
   overview_keys: Readonly<Record<string, () => void>> | null = null;
   oblique_keys: Readonly<Record<string, () => void>> | null = null;
 
-  private readonly palette = new Palette(this.sets);
+  private readonly palette: Palette;
   private ink: Ink | null = null;
   private host: HTMLElement | null = null;
   private dirty = true;
@@ -80,7 +80,9 @@ export class Stage {
   private readonly stops: (() => void)[] = [];
 
   constructor(readonly viewer: Viewer) {
-    const { address, cells } = viewer;
+    const { address, cells, labels } = viewer;
+    this.sets = new SetTable((label) => without_overlap(labels, label));
+    this.palette = new Palette(this.sets);
     const shares = () => viewer.show_shares.peek() && viewer.has_shares;
     this.store = new TileStore(
       {

@@ -1,10 +1,10 @@
 // Go there: what is looked at is isolated, all views frame it with some room, and the slices go through a cell of it.
 import { batch } from "@preact/signals";
 import type { Finding } from "../base/findings";
-import { type Index3, for_axes } from "../base/grid";
+import { type Index3, for_axes, without_overlap } from "../base/grid";
 import { say, words_of } from "../base/messages";
 import { box_around, with_room } from "../state/boxes";
-import { labels_named } from "../state/isolation";
+import { labels_named, labels_of_overlap } from "../state/isolation";
 import type { Box, Viewer } from "../state/viewer";
 import { load_amounts } from "./amounts";
 import { nearest_cell } from "./nearest_cell";
@@ -16,7 +16,8 @@ const CELLS_AROUND = 8;
 export const middle_cell = (box: Box): Index3 => for_axes((d) => (box[d] + box[d + 3]! - 1) >> 1);
 
 // Bodies, or materials where the file does not keep bodies apart.
-export async function go_to_labels(viewer: Viewer, labels: readonly number[]): Promise<void> {
+export async function go_to_labels(viewer: Viewer, named: readonly number[]): Promise<void> {
+  const labels = [...new Set(named.map((label) => without_overlap(viewer.labels, label)))].sort((a, b) => a - b);
   try {
     const amounts = await load_amounts(viewer);
     const box = box_around(labels.map((label) => amounts[label]?.box));
@@ -24,7 +25,7 @@ export async function go_to_labels(viewer: Viewer, labels: readonly number[]): P
     const middle = middle_cell(box);
     batch(() => {
       // The background is around everything: it can't be shown alone.
-      viewer.isolated.value = labels.some((label) => viewer.labels[label]!.material === 0) ? null : { labels: [...labels].sort((a, b) => a - b), box: null };
+      viewer.isolated.value = labels.some((label) => viewer.labels[label]!.material === 0) ? null : { labels, box: null };
       viewer.set_cell(middle);
       viewer.frame(with_room(viewer.axes, box, ROOM));
     });
@@ -36,9 +37,11 @@ export async function go_to_labels(viewer: Viewer, labels: readonly number[]): P
   }
 }
 
-// What was found is framed, not the bodies that it was found in. What has no place of its own is shown as these bodies.
-export function go_to_finding(viewer: Viewer, { at, box, bodies }: Pick<Finding, "at" | "box" | "bodies">): void {
-  const labels = labels_named(viewer.info, bodies);
+// What was found is framed, not the bodies that it was found in. What has no place of its own is shown as these bodies. Of an overlap its own cells
+// are shown, where the file keeps them apart.
+export function go_to_finding(viewer: Viewer, { at, box, bodies, kind }: Pick<Finding, "at" | "box" | "bodies"> & { kind?: Finding["kind"] }): void {
+  const of_overlap = kind === "overlap" ? labels_of_overlap(viewer.info, bodies) : [];
+  const labels = [...labels_named(viewer.info, bodies), ...of_overlap].sort((a, b) => a - b);
   if (!at) return void (labels.length && go_to_labels(viewer, labels));
   const cell = for_axes((d) => viewer.axes[d].clamp(viewer.axes[d].cell_at(at[d])));
   const place = box ?? ([...cell, ...cell.map((i) => i + 1)] as Box);
