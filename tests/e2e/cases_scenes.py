@@ -92,6 +92,16 @@ class Scenes(Case):
         text = self.run_ok("stats", "g.tcell", "--bodies").out
         self.assertIn("left: steel", text)
         self.assertIn("right: steel", text)
+        self.mesh(bodies, label_by="overlap")
+        apart = self.json_of("stats", "g.tcell", "--bodies")["bodies"]
+        self.assertEqual([(b["name"], b.get("overlap", False)) for b in apart], [("", False), *((n, o) for n in ("left", "right") for o in (False, True))])
+        for i, body in ((1, 1), (3, 2)):
+            self.assertEqual(apart[i]["cells"] + apart[i + 1]["cells"], found["bodies"][body]["cells"])
+        common = self.json_of("info", "g.tcell")["report"]["overlaps"]["list"]
+        self.assertEqual([apart[2]["cells"], apart[4]["cells"]], [0, common[0]["cells"] if common else 0], "of two bodies the later one owns what both hold")
+        self.assertIn("right, in others too: steel", self.run_ok("stats", "g.tcell", "--bodies").out)
+        self.run_ok("verify", "g.tcell")
+        self.refused(2, ["links", '"overlap"'], "mesh", "s.json", "--links", "-o", "h.tcell")
 
     def test_graded_axes(self):
         x, y = [-1, 0, 0.25, 1, 2.5, 3, 6, 6.5], [-2.0, 0.5, 1, 1.5, 7]

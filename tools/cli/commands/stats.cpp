@@ -32,7 +32,7 @@ Rows bodies_of(const Metadata& meta) {
   Rows rows{"body: material", {}};
   for (const LabelInfo& l : meta.labels) {
     const std::string& material = meta.materials[l.material].name;
-    rows.names.push_back(l.body.empty() ? material : fmt::format("{}{}: {}", l.body, l.overlap ? " in others" : "", material));
+    rows.names.push_back(l.body.empty() ? material : fmt::format("{}{}: {}", l.body, l.overlap ? ", in others too" : "", material));
   }
   return rows;
 }

@@ -207,7 +207,7 @@ export class Viewer {
   name_of(label: number): string {
     const { material, body, overlap }: Label = this.labels[label] ?? { material: label, body: "" };
     const name = this.info.materials[material]?.name ?? String(material);
-    return body ? `${body} · ${name}${overlap ? ", in other bodies as well" : ""}` : name;
+    return body ? `${body} · ${name}${overlap ? ", in others too" : ""}` : name;
   }
 
   // An address that is asked for once the slices have been shown.

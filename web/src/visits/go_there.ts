@@ -15,6 +15,15 @@ const CELLS_AROUND = 8;
 
 export const middle_cell = (box: Box): Index3 => for_axes((d) => (box[d] + box[d + 3]! - 1) >> 1);
 
+// Puts the crosshair into a cell of the labels near the middle of their box. It is in the middle until that is known.
+async function enter(viewer: Viewer, labels: readonly number[], box: Box): Promise<void> {
+  const middle = middle_cell(box);
+  viewer.set_cell(middle);
+  const here = viewer.cell.peek();
+  const cell = await nearest_cell(viewer, labels, box, middle);
+  if (cell && viewer.cell.peek() === here) viewer.set_cell(cell); // unless somebody has moved on
+}
+
 // Bodies, or materials where the file does not keep bodies apart.
 export async function go_to_labels(viewer: Viewer, named: readonly number[]): Promise<void> {
   const labels = [...new Set(named.map((label) => without_overlap(viewer.labels, label)))].sort((a, b) => a - b);
@@ -22,16 +31,12 @@ export async function go_to_labels(viewer: Viewer, named: readonly number[]): Pr
     const amounts = await load_amounts(viewer);
     const box = box_around(labels.map((label) => amounts[label]?.box));
     if (!box) return say(`${labels.length === 1 ? "It owns" : "They own"} no cell, so there is no place to go to.`);
-    const middle = middle_cell(box);
-    batch(() => {
+    await batch(() => {
       // The background is around everything: it can't be shown alone.
       viewer.isolated.value = labels.some((label) => viewer.labels[label]!.material === 0) ? null : { labels, box: null };
-      viewer.set_cell(middle);
       viewer.frame(with_room(viewer.axes, box, ROOM));
+      return enter(viewer, labels.flatMap((label) => (viewer.labels[label + 1]?.overlap ? [label, label + 1] : [label])), box);
     });
-    const here = viewer.cell.peek();
-    const cell = await nearest_cell(viewer, labels, box, middle);
-    if (cell && viewer.cell.peek() === here) viewer.set_cell(cell); // unless somebody has moved on
   } catch (error) {
     say(`The place can't be looked for: ${words_of(error)}.`);
   }
@@ -48,6 +53,7 @@ export function go_to_finding(viewer: Viewer, { at, box, bodies, kind }: Pick<Fi
   batch(() => {
     viewer.isolated.value = { labels, box: place };
     viewer.set_cell(cell);
+    if (of_overlap.length > 0) enter(viewer, of_overlap, place).catch(() => viewer.set_cell(cell));
     viewer.frame(with_room(viewer.axes, place, ROOM_OF_FINDING, CELLS_AROUND));
   });
 }

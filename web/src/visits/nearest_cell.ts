@@ -3,7 +3,7 @@
 // together in one piece has cells in each slice that cuts its box. In a box too large for the cells of a few tiles it is looked for on a coarser
 // level, and from there downwards in the cells that the one found holds.
 import { FRAMES } from "../base/axis";
-import { AXES, type AxisIndex, type Index3, for_axes, without_overlap } from "../base/grid";
+import { AXES, type AxisIndex, type Index3, for_axes } from "../base/grid";
 import { get } from "../server/api";
 import type { Box, Viewer } from "../state/viewer";
 import { type Place, TILE, tile_size } from "../tiles/place";
@@ -73,7 +73,7 @@ export async function nearest_cell(viewer: Viewer, labels: readonly number[], bo
   const wanted = new Set(labels);
   const materials = new Set(labels.map((label) => viewer.labels[label]!.material));
   const is_wanted: IsWanted = (set, { apart }) =>
-    (sets.members(set) ?? []).some((label) => (apart ? wanted.has(without_overlap(viewer.labels, label)) : materials.has(viewer.labels[label]!.material)));
+    (sets.members(set) ?? []).some((label) => (apart ? wanted.has(label) : materials.has(viewer.labels[label]!.material)));
   return nearest_of(fetch_tile, { is_wanted, box, to }, info.levels.length);
 }
 
