@@ -46,6 +46,7 @@ function close(): void {
   opening.value = null;
   trouble.value = null;
   stale.value = null;
+  drop_complaints(); // about what was open
   document.title = "teracell";
 }
 

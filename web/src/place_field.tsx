@@ -4,6 +4,7 @@ import { useLayoutEffect, useMemo, useRef } from "preact/hooks";
 import { coordinate, grouped } from "./base/format";
 import { AXES, AXIS_NAMES } from "./base/grid";
 import { say } from "./base/messages";
+import { contains } from "./base/names";
 import { type NamedPlace, named_places, places_named } from "./state/named_places";
 import { type Spot, spots_of } from "./state/place_text";
 import type { Viewer } from "./state/viewer";
@@ -42,6 +43,15 @@ function goal_of_name(viewer: Viewer, place: NamedPlace): Goal {
 }
 
 function Nowhere({ viewer, text }: { viewer: Viewer; text: string }) {
+  const wanted = text.trim();
+  const body = !viewer.keeps_bodies && wanted ? viewer.info.report.bodies.find(({ name }) => contains(name, wanted)) : undefined;
+  if (body)
+    return (
+      <p class="place-note">
+        <strong>“{body.name}” is a body, and this file keeps materials, not bodies. </strong>
+        Meshed with <code>"label_by": "body"</code> in the scene, its name would lead there.
+      </p>
+    );
   return (
     <p class="place-note">
       {text.trim() !== "" && <strong>“{text.trim()}” is no place, and nothing here is called so. </strong>}

@@ -3,7 +3,7 @@ import assert from "node:assert/strict";
 import test from "node:test";
 import type { GridInfo } from "@page/base/grid";
 import { Viewer } from "@page/state/viewer";
-import { choose_tool, escape, mark_measure, step_crosshair } from "@page/views/actions";
+import { choose_tool, escape, mark_measure, remove_chosen, step_crosshair } from "@page/views/actions";
 
 const cells = [100, 20, 7];
 const viewer = () =>
@@ -54,7 +54,7 @@ test("a line is measured by keys: it begins and ends where the crosshair is", ()
   assert.deepEqual(v.measure.value, line, "a finished line stays");
 });
 
-test("Escape gives up a line that has no end yet, and removes one that has", () => {
+test("Escape gives up a line that has no end yet, and lets go of one that has, which Delete removes", () => {
   const v = viewer();
   choose_tool(v, "measure");
   mark_measure(v, 2);
@@ -66,6 +66,11 @@ test("Escape gives up a line that has no end yet, and removes one that has", () 
   assert.deepEqual([v.measures.value.length, v.tool.value], [1, "look"]);
   v.chosen.value = 1;
   escape(v);
+  assert.deepEqual([v.measures.value.length, v.chosen.value], [1, null]);
+  remove_chosen(v);
+  assert.equal(v.measures.value.length, 1, "none is chosen");
+  v.chosen.value = 1;
+  remove_chosen(v);
   assert.deepEqual([v.measures.value, v.chosen.value], [[], null]);
 });
 

@@ -1,4 +1,6 @@
 // What `teracell check` has found about a grid, as the server answers it. Pure.
+import { plural } from "./format";
+import type { Report } from "./grid";
 
 export const LEVELS = ["error", "warning", "note"] as const;
 export type Level = (typeof LEVELS)[number];
@@ -50,6 +52,16 @@ export function groups_of({ findings, totals }: Findings, body: string): Group[]
     for (const { level } of group.findings) if (LEVELS.indexOf(level) < LEVELS.indexOf(group.level)) group.level = level;
   }
   return [...groups.values()].sort((a, b) => LEVELS.indexOf(a.level) - LEVELS.indexOf(b.level));
+}
+
+// What the mesher has found of overlaps, in the words of `teracell check`.
+export function overlaps_reported({ overlaps }: Report): Group | null {
+  if (!overlaps?.pairs) return null;
+  const findings = overlaps.list.map(({ bodies, cells, cells_text, owner, at, box }): Finding => {
+    const text = `'${bodies[0]}' and '${bodies[1]}' overlap in ${plural(cells_text ?? cells, "cell")}, which ${owner === null ? "a third body owns in part" : `'${owner}' owns`}.`;
+    return { kind: "overlap", level: "note", bodies, cells, at, box, text };
+  });
+  return { kind: "overlap", level: "note", findings, total: overlaps.pairs };
 }
 
 export const bodies_of = ({ findings }: Findings): string[] => [...new Set(findings.flatMap((f) => f.bodies))].sort((a, b) => a.localeCompare(b));

@@ -63,13 +63,23 @@ export interface SceneReport {
   bodies: { name: string; material: string; matrix: number[] }[]; // of a matrix the upper three rows, one after another
 }
 
+// What two bodies have in common.
+export interface OverlapReport {
+  bodies: [string, string];
+  cells: number;
+  cells_text?: string;
+  owner: string | null; // of all of these cells, if it is one of the two
+  box: [number, number, number, number, number, number];
+  at: [number, number, number];
+}
+
 export interface Report {
   bodies: BodyReport[];
   crossings: number;
   warnings: string[];
   inputs: { path: string; format: string; bytes: number; hash: string }[]; // one for each body
   scene?: SceneReport | null; // null where there was no room for it
-  overlaps?: { list: { bodies: [string, string]; owner: string | null }[] }; // owner: of all cells that the two have in common
+  overlaps?: { pairs: number; list: OverlapReport[] };
   ray_axis?: { axis: string; why: string; crossings_expected?: number[] };
 }
 

@@ -113,6 +113,7 @@ function Content({ viewer }: { viewer: Viewer }) {
   const fault = fault_of(options);
   const save = async (event: Event) => {
     event.preventDefault();
+    if (state.busy) return; // a disabled button would lose the focus, and with it the key that closes
     set_state({ text: "Drawing …", busy: true });
     try {
       const figure = await make_figure(viewer, options, abort.current.signal);
@@ -163,7 +164,7 @@ function Content({ viewer }: { viewer: Viewer }) {
         </div>
       </div>
       <div class="toolbar">
-        <button class="button primary" type="submit" autofocus disabled={fault !== null || state.busy}>
+        <button class="button primary" type="submit" autofocus disabled={fault !== null} aria-disabled={state.busy}>
           <Icon name="save" /> Save
         </button>
         <p class="note" role="status">

@@ -134,18 +134,19 @@ export class LocalGrids {
     this.quick = new Helper(held);
   }
 
-  // Adds a grid. If it can't be read, the list of grids says why.
-  add(place: () => Place, name: string, checked: Checked | null = null): Promise<Added> {
-    const added = this.add_now(place, name, checked);
+  // Adds a grid. If it can't be read, the list of grids says why. `taken`: ids that others have.
+  add(place: () => Place, name: string, checked: Checked | null = null, taken: ReadonlySet<string> = new Set()): Promise<Added> {
+    const added = this.add_now(place, name, checked, taken);
     this.adds.add(added);
     return added.finally(() => this.adds.delete(added));
   }
 
-  private async add_now(asked: () => Place, name: string, checked: Checked | null): Promise<Added> {
+  private async add_now(asked: () => Place, name: string, checked: Checked | null, taken: ReadonlySet<string>): Promise<Added> {
     const stem = name.replace(/\.tcell$/, "");
-    let as = `${stem}.tcell`;
-    for (let n = 2; this.names.has(as); ++n) as = `${stem}-${n}.tcell`;
-    this.names.add(as);
+    let id = stem;
+    for (let n = 2; this.names.has(id) || taken.has(id); ++n) id = `${stem}-${n}`;
+    this.names.add(id);
+    const as = `${id}.tcell`;
     const order = this.names.size;
     try {
       const { id, place } = await this.quick.open(asked(), as);

@@ -3,7 +3,8 @@
 import { signal } from "@preact/signals";
 import { say } from "../base/messages";
 import { ask_again } from "../server/connection";
-import { answer_by, be_alone } from "../server/transport";
+import { list_grids } from "../server/api";
+import { answer_by, be_alone, is_alone } from "../server/transport";
 import { advice_for } from "./advice";
 import { has_module, whole_page } from "./beside";
 import { HeldSource, type ListedGrid, held_text, listed_grids } from "./held";
@@ -69,8 +70,11 @@ export async function open_files(files: readonly File[]): Promise<void> {
   if (!can_read_files) return say(`${perhaps[0]!.name} is neither a grid nor a surface that teracell knows.`);
   const grids = local_grids();
   let last: string | null = null;
+  // Those of a server keep their ids.
+  const served = is_alone() ? [] : await list_grids().then((list) => [...list.grids, ...list.unreadable], () => []);
+  const taken = new Set(served.map(({ id }) => id));
   for (const file of perhaps) {
-    const added = await grids.add(() => ({ kind: "file", file, name: file.name }), file.name);
+    const added = await grids.add(() => ({ kind: "file", file, name: file.name }), file.name, null, taken);
     if ("id" in added) last = added.id;
     else say(`${file.name} can't be read`, { detail: added.wrong });
   }

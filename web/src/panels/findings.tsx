@@ -1,6 +1,6 @@
 // What `teracell check` has found: a verdict, then kind by kind what it is, where, and a picture of it. And how thick walls are.
 import { useMemo, useState } from "preact/hooks";
-import { type Finding, type Findings, type Group, type Wall, bodies_of, groups_of } from "../base/findings";
+import { type Finding, type Findings, type Group, type Wall, bodies_of, groups_of, overlaps_reported } from "../base/findings";
 import { grouped, plural } from "../base/format";
 import { quoted } from "../base/shell";
 import { use_picture } from "../server/picture";
@@ -195,12 +195,23 @@ export function FindingsList({ viewer, findings, on_focus }: { viewer: Viewer; f
 
 // Where nobody has looked, what would.
 export function NotChecked({ viewer, error }: { viewer: Viewer; error: string | null }) {
+  const overlaps = useMemo(() => overlaps_reported(viewer.info.report), [viewer]);
   if (error) return <p class="problem">What was found could not be loaded: {error}.</p>;
   return (
-    <section>
-      <h3>Not looked at</h3>
-      <p class="note">Thin walls, islands and enclosed background: nobody has looked for them yet. This does, beside the file:</p>
-      <CodeLine class="hash" text={`teracell check ${quoted(`${viewer.info.id}.tcell`)}`} what="the command" />
-    </section>
+    <>
+      {overlaps && (
+        <section>
+          <h3>Findings</h3>
+          <ul class="bodies">
+            <GroupOf viewer={viewer} group={overlaps} on_open={() => {}} on_visit={() => {}} />
+          </ul>
+        </section>
+      )}
+      <section>
+        <h3>Not looked at</h3>
+        <p class="note">Thin walls, islands and enclosed background: nobody has looked for them yet. This does, beside the file:</p>
+        <CodeLine class="hash" text={`teracell check ${quoted(`${viewer.info.id}.tcell`)}`} what="the command" />
+      </section>
+    </>
   );
 }

@@ -37,6 +37,8 @@ export function care_of(info: GridInfo): Care {
   const large = holes.filter((h) => (h.diameter_cells ?? Infinity) >= HARMLESS);
   const opposite = bodies.filter((b) => b.flips.length > 0);
   if (empty.length) {
+    if (empty.every((b) => b.covered_cells))
+      return { level: "bad", text: `Look here: ${quoted(empty)} ${noun(empty.length, "owns", "own")} no cell, because stronger bodies own all that ${noun(empty.length, "it holds", "they hold")}.` };
     const owns = empty.length === 1 ? "owns no cell. Is it" : "own no cell. Are they";
     return { level: "bad", text: `Look here: ${quoted(empty)} ${owns} in the right place, and wider than a cell?` };
   }

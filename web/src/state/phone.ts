@@ -10,9 +10,16 @@ narrow.addEventListener("change", () => (on_phone.value = narrow.matches));
 export function keep_to_one_view(viewer: Viewer): () => void {
   if (on_phone.value && viewer.panel.value === "materials") viewer.panel.value = null; // the panel that nobody asked for
   let last: "x" | "y" | "z" | "3d" = "z";
-  return effect(() => {
-    const layout = viewer.layout.value;
-    if (layout !== "four") last = layout;
-    else if (on_phone.value) viewer.layout.value = last;
-  });
+  const stops = [
+    effect(() => {
+      const layout = viewer.layout.value;
+      if (layout !== "four") last = layout;
+      else if (on_phone.value) viewer.layout.value = last;
+    }),
+    // The panel would lie over what was gone to from it.
+    effect(() => {
+      if (viewer.isolated.value && on_phone.value) viewer.panel.value = null;
+    }),
+  ];
+  return () => stops.forEach((stop) => stop());
 }

@@ -45,7 +45,7 @@ function put_tool_away(viewer: Viewer): void {
   viewer.measuring.value = null;
 }
 
-// Takes one step back: puts the tool away, or else shows all again, or removes the chosen line, the box or the pin.
+// Takes one step back: puts the tool away, or else shows all again, lets go of the chosen line, or removes the box or the pin.
 export function escape(viewer: Viewer): void {
   batch(() => {
     viewer.sweeping.value = null;
@@ -56,12 +56,16 @@ export function escape(viewer: Viewer): void {
     }
     if (viewer.isolated.value) viewer.isolated.value = null;
     else if (measure || viewer.thickness.value) {
-      if (measure) remove_measure(viewer, measure.id);
+      viewer.chosen.value = null;
       viewer.thickness.value = null;
     }
     else if (viewer.box.value) viewer.box.value = null;
     else viewer.pinned.value = null;
   });
+}
+
+export function remove_chosen(viewer: Viewer): void {
+  if (viewer.measure.value) remove_measure(viewer, viewer.measure.value.id);
 }
 
 // Moves the crosshair within the plane of a slice, by whole cells of the level that is shown. All views follow when it

@@ -1,7 +1,7 @@
 // The keys of the views, which bindings.ts lists. They act on the view under the pointer, or on the one that the keyboard has gone to since
 // (pointing.ts).
 import type { Signal } from "@preact/signals";
-import { choose_tool, escape, fit, mark_measure, measure_thickness, step_crosshair, toggle_layout, toggle_oblique, toggle_sweep } from "./actions";
+import { choose_tool, escape, fit, mark_measure, measure_thickness, remove_chosen, step_crosshair, toggle_layout, toggle_oblique, toggle_sweep } from "./actions";
 import { watch_pointing } from "./pointing";
 import type { Stage } from "./stage";
 
@@ -120,5 +120,7 @@ function actions_of(stage: Stage): Record<string, () => void> {
     h: () => flip(viewer.help),
     "?": () => flip(viewer.help),
     Escape: () => escape(viewer),
+    Delete: () => remove_chosen(viewer),
+    Backspace: () => remove_chosen(viewer),
   };
 }

@@ -19,7 +19,7 @@ interface OverviewProps {
 
 export function OverviewPanel({ stage, viewer, side, title, against, cut_by }: OverviewProps) {
   const host = useRef<HTMLDivElement>(null);
-  const state = useSignal<"loading" | "there" | { readonly trouble: string }>("loading");
+  const state = useSignal<"loading" | "there" | { readonly trouble: string; readonly loaded: boolean }>("loading");
   const attempt = useSignal(0);
   const layout = viewer.layout.value;
   const shown = layout === "four" || layout === "3d";
@@ -31,15 +31,17 @@ export function OverviewPanel({ stage, viewer, side, title, against, cut_by }: O
     let gone = false;
     let unmount = () => {};
     const load = async () => {
+      let loaded = false;
       try {
         const { mount_overview } = await import("../overview/overview");
+        loaded = true;
         if (gone) return;
         const mounted = mount_overview(host.current!, viewer, { against, cut_by });
         stage.overview_keys = mounted.keys;
         unmount = mounted.unmount;
         state.value = "there";
       } catch (error) {
-        state.value = { trouble: words_of(error) };
+        state.value = { trouble: words_of(error), loaded };
       }
     };
     void load();
@@ -49,7 +51,9 @@ export function OverviewPanel({ stage, viewer, side, title, against, cut_by }: O
       unmount();
     };
   }, [stage, viewer, against, cut_by, due, attempt.value]);
+  // What a browser could not load it does not load again for the same page. The address has all that is seen.
   const again = () => {
+    if (typeof state.value === "object" && !state.value.loaded) return location.reload();
     state.value = "loading";
     ++attempt.value;
   };
@@ -60,7 +64,7 @@ export function OverviewPanel({ stage, viewer, side, title, against, cut_by }: O
       {typeof state.value === "object" && (
         <div class="view-note" role="alert">
           <p>The overview can't be shown: {state.value.trouble}.</p>
-          <button onClick={again}>Try again</button>
+          <button onClick={again}>{state.value.loaded ? "Try again" : "Load the page again"}</button>
         </div>
       )}
       <header class="view-head">

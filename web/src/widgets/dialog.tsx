@@ -10,7 +10,10 @@ export function Dialog({ shown, heading, children, ...props }: ComponentProps<"d
   const open = shown.value;
   useEffect(() => {
     if (!open) dialog.current!.close();
-    else if (!dialog.current!.open) dialog.current!.showModal();
+    else if (!dialog.current!.open) {
+      dialog.current!.showModal();
+      for (const part of [dialog.current!, ...dialog.current!.children]) part.scrollTop = 0; // whatever has the focus
+    }
   }, [open]);
   const close = () => (shown.value = false);
   return (
