@@ -61,12 +61,14 @@ size_t height_of(const SliceView& view) { return static_cast<size_t>(view.v1 - v
 size_t width_of(const PlaneView& view) { return static_cast<size_t>(view.i1 - view.i0); }
 size_t height_of(const PlaneView& view) { return static_cast<size_t>(view.j1 - view.j0); }
 
-// The numbers of the sets of a view.
-std::vector<uint16_t> numbers_of(const GridReader& reader, const SliceView& view, SetNumbers& sets, bool top_down) {
+// The numbers of the sets of a view. `damage`: what can't be read has that of a set without members.
+std::vector<uint16_t> numbers_of(const GridReader& reader, const SliceView& view, SetNumbers& sets, bool top_down, bool damage = false) {
   std::vector<uint16_t> out;
   out.reserve(width_of(view) * height_of(view));
-  for_each_row(reader, view, sets.value(), top_down, 1,
-               [&](int64_t, std::span<const uint16_t> row) { out.insert(out.end(), row.begin(), row.end()); });
+  const auto unreadable = damage ? std::optional(static_cast<uint16_t>(sets.number_of({}))) : std::nullopt;
+  for_each_row(
+      reader, view, sets.value(), top_down, 1, [&](int64_t, std::span<const uint16_t> row) { out.insert(out.end(), row.begin(), row.end()); },
+      kHeldCells, unreadable);
   return out;
 }
 
@@ -148,13 +150,14 @@ void shade(const GridReader& reader, const FractionReader& shares, const SliceVi
   });
 }
 
-std::vector<uint16_t> numbers_from_below(const GridReader& reader, const SliceView& view, SetNumbers& sets, const FractionReader* shares) {
-  std::vector<uint16_t> numbers = numbers_of(reader, view, sets, false);
+std::vector<uint16_t> numbers_from_below(const GridReader& reader, const SliceView& view, SetNumbers& sets, const FractionReader* shares,
+                                         bool damage) {
+  std::vector<uint16_t> numbers = numbers_of(reader, view, sets, false, damage);
   if (shares) shade(reader, *shares, view, sets, numbers, {}, [&](size_t u, size_t v) { return v * width_of(view) + u; });
   return numbers;
 }
 
-std::vector<uint16_t> numbers_from_below(const GridReader& reader, const PlaneView& view, SetNumbers& sets, const FractionReader*) {
+std::vector<uint16_t> numbers_from_below(const GridReader& reader, const PlaneView& view, SetNumbers& sets, const FractionReader*, bool) {
   return numbers_of(reader, view, sets, false);
 }
 
@@ -179,16 +182,16 @@ std::string sets_text(const SetNumbers& sets, std::span<const uint16_t> numbers,
 }
 
 template <class View>
-std::string sets_of(const GridReader& reader, const View& view, const FractionReader* shares) {
+std::string sets_of(const GridReader& reader, const View& view, const FractionReader* shares, bool damage = false) {
   SetNumbers sets(reader.meta());
-  const std::vector<uint16_t> numbers = numbers_from_below(reader, view, sets, shares);
+  const std::vector<uint16_t> numbers = numbers_from_below(reader, view, sets, shares, damage);
   return sets_text(sets, numbers, 0);
 }
 
 template <class View>
-std::string label_sets_of(const GridReader& reader, const View& view, const FractionReader* shares) try {
+std::string label_sets_of(const GridReader& reader, const View& view, const FractionReader* shares, bool damage = false) try {
   SetNumbers sets([](const std::vector<Label>& set) { return set; }, kMostMembers);
-  const std::vector<uint16_t> numbers = numbers_from_below(reader, view, sets, shares);
+  const std::vector<uint16_t> numbers = numbers_from_below(reader, view, sets, shares, damage);
   return sets_text(sets, numbers, width_flag(reader.meta()));
 } catch (const TooManySets&) {
   const std::vector<LabelInfo>& labels = reader.meta().labels;
@@ -200,7 +203,7 @@ std::string label_sets_of(const GridReader& reader, const View& view, const Frac
     std::ranges::sort(firsts);
     return firsts;
   });
-  const std::vector<uint16_t> numbers = numbers_from_below(reader, view, sets, shares);
+  const std::vector<uint16_t> numbers = numbers_from_below(reader, view, sets, shares, damage);
   return sets_text(sets, numbers, width_flag(reader.meta()) | kBodiesNotApart);
 }
 
@@ -247,10 +250,12 @@ std::string raw_labels(const GridReader& reader, const SliceView& view) {
   return out;
 }
 
-std::string raw_sets(const GridReader& reader, const SliceView& view, const FractionReader* shares) { return sets_of(reader, view, shares); }
+std::string raw_sets(const GridReader& reader, const SliceView& view, const FractionReader* shares, bool damage) {
+  return sets_of(reader, view, shares, damage);
+}
 std::string raw_sets(const GridReader& reader, const PlaneView& view) { return sets_of(reader, view, nullptr); }
-std::string raw_label_sets(const GridReader& reader, const SliceView& view, const FractionReader* shares) {
-  return label_sets_of(reader, view, shares);
+std::string raw_label_sets(const GridReader& reader, const SliceView& view, const FractionReader* shares, bool damage) {
+  return label_sets_of(reader, view, shares, damage);
 }
 std::string raw_label_sets(const GridReader& reader, const PlaneView& view) { return label_sets_of(reader, view, nullptr); }
 

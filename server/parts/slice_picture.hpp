@@ -26,11 +26,12 @@ std::string raw_labels(const GridReader& reader, const SliceView& view);
 // each); then for each cell the number of its set, one byte, or two when there are more than 256 sets. All little endian.
 // With `shares`, a mixed cell of level 0 has a list of 16 materials in place of its set: each as often as its share of the cell says, its own
 // one first. Where a sheet owns the cell, whose shares don't have it, the cell keeps its set.
-std::string raw_sets(const GridReader& reader, const SliceView& view, const FractionReader* shares = nullptr);
+// With `damage`, the first set has no members: it stands for what can't be read, which is an error otherwise.
+std::string raw_sets(const GridReader& reader, const SliceView& view, const FractionReader* shares = nullptr, bool damage = false);
 // The same with labels in place of materials, for grids that keep bodies apart: the number of sets (u16); flags (u16); the sets, whose
 // labels have four bytes when there are more than 65536 labels (flag 1), otherwise two; the cells. Where a view has more different sets
 // than can be numbered, each label is replaced by the first one of its material (flag 2).
-std::string raw_label_sets(const GridReader& reader, const SliceView& view, const FractionReader* shares = nullptr);
+std::string raw_label_sets(const GridReader& reader, const SliceView& view, const FractionReader* shares = nullptr, bool damage = false);
 // Both of a plane. The first set has no members: it stands for what lies outside the grid.
 std::string raw_sets(const GridReader& reader, const PlaneView& view);
 std::string raw_label_sets(const GridReader& reader, const PlaneView& view);

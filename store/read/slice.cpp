@@ -44,6 +44,7 @@ struct Picture {
   int threads;
   const RowSink& row;
   const int64_t held;  // cells
+  const std::optional<uint16_t> unreadable;
   LevelShape shape;
   RayFrame rays;
 
@@ -67,7 +68,25 @@ struct Picture {
   // Makes ready what a band needs.
   void prefetch(const Band& band) const {
     const RayFrame f = RayFrame::along(view.axis);
-    reader.prefetch(view.level, f.box({view.u0, band.from, view.index}, {view.u1, band.to, view.index + 1}));
+    try {
+      reader.prefetch(view.level, f.box({view.u0, band.from, view.index}, {view.u1, band.to, view.index + 1}));
+    } catch (const FormatError&) {  // what can be read is read below
+      if (!unreadable) throw;
+    }
+  }
+  // What a chunk has: the value of all its cells, or its cells.
+  struct Known {
+    std::optional<uint16_t> all;
+    std::shared_ptr<const Chunk> cells;
+  };
+  Known known(const ChunkKey& key, std::shared_ptr<Chunk>& scratch) const {
+    try {
+      if (const auto set = reader.uniform(key)) return {static_cast<uint16_t>(value(*set)), nullptr};
+      return {std::nullopt, reader.chunk(key, scratch)};
+    } catch (const FormatError&) {
+      if (!unreadable) throw;
+      return {unreadable, nullptr};
+    }
   }
   // The same for all of a small picture, in fewer round trips.
   void prefetch_if_small() const {
@@ -146,12 +165,11 @@ struct Picture {
         const ChunkKey key{level, static_cast<uint32_t>(first / side), cv, segment};
         const int64_t u0 = std::max(part.u0, first), u1 = std::min(part.u1, first + side);
         uint16_t* const out = part.cells.data() + (u0 - part.u0);
-        if (const auto set = reader.uniform(key)) {
-          const auto all = static_cast<uint16_t>(value(*set));
-          for (int64_t v = 0; v < band.to - band.from; ++v) std::fill_n(out + v * part.width(), u1 - u0, all);
+        const auto [all, decoded] = known(key, scratch);
+        if (all) {
+          for (int64_t v = 0; v < band.to - band.from; ++v) std::fill_n(out + v * part.width(), u1 - u0, *all);
           continue;
         }
-        const auto decoded = reader.chunk(key, scratch);
         const auto within = [&](int64_t n, int64_t begin) { return static_cast<uint32_t>(n - begin); };
         paint(*decoded, Patch{within(u0, first), within(u1, first), within(band.from, cv * side), within(band.to, cv * side), out, part.width()});
       }
@@ -217,12 +235,11 @@ struct Picture {
       const int64_t first = c * shape.chunk_rays, from = std::max(lo, first), to = std::min<int64_t>(hi, first + shape.chunk_rays);
       const auto counted = static_cast<uint32_t>(c);
       const ChunkKey key{view.level, fixed_u ? fixed_chunk : counted, fixed_u ? counted : fixed_chunk, segment};
-      if (const auto set = reader.uniform(key)) {
-        const auto all = static_cast<uint16_t>(value(*set));
-        for (int64_t i = from; i < to; ++i) f(i, first_cell + w0, first_cell + w1, all);
+      const auto [all, decoded] = known(key, scratch);
+      if (all) {
+        for (int64_t i = from; i < to; ++i) f(i, first_cell + w0, first_cell + w1, *all);
         continue;
       }
-      const auto decoded = reader.chunk(key, scratch);
       const Chunk& chunk = *decoded;
       Values values(chunk.sets, value);
       for (int64_t i = from; i < to; ++i) {
@@ -386,10 +403,10 @@ void check_view(const Metadata& meta, const SliceView& view) {
 }
 
 void for_each_row(const GridReader& reader, const SliceView& view, const SetValue& value, bool top_down, int threads, const RowSink& row,
-                  int64_t held) {
+                  int64_t held, std::optional<uint16_t> unreadable) {
   check_view(reader.meta(), view);
   const RayFrame rays = reader.meta().frame();
-  const Picture picture{reader, view, value, top_down, threads, row, held, reader.shape(view.level), rays};
+  const Picture picture{reader, view, value, top_down, threads, row, held, unreadable, reader.shape(view.level), rays};
   picture.prefetch_if_small();
   if (rays.w == view.axis) picture.across();
   else if (rays.w == RayFrame::along(view.axis).v) picture.upright();

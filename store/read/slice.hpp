@@ -22,7 +22,8 @@ void check_view(const Metadata& meta, const SliceView& view);
 // Memory: about `held` cells of two bytes, and per thread what a chunk and 1024 of its columns take.
 using RowSink = std::function<void(int64_t v, std::span<const uint16_t> values)>;
 inline constexpr int64_t kHeldCells = int64_t{1} << 26;
+// `unreadable`: the value of cells that can't be read; without it, they are an error.
 void for_each_row(const GridReader& reader, const SliceView& view, const SetValue& value, bool top_down, int threads, const RowSink& row,
-                  int64_t held = kHeldCells);
+                  int64_t held = kHeldCells, std::optional<uint16_t> unreadable = {});
 
 }  // namespace teracell::store

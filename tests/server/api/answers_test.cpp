@@ -78,6 +78,62 @@ TEST_CASE("Answers that need a damaged chunk are 500; each is counted, there is 
   CHECK_THAT(complaints[0], Catch::StartsWith("g.tcell: level 0 chunk (0, 0, 0): its frame at byte "));  // the place is named once, without a folder
 }
 
+// The set of each cell of a tile with sets.
+std::vector<std::vector<uint16_t>> sets_of_cells(const std::string& tile, size_t cells) {
+  size_t at = 0;
+  const auto next = [&] {
+    at += 2;
+    return static_cast<uint16_t>(static_cast<uint8_t>(tile[at - 2]) | static_cast<uint8_t>(tile[at - 1]) << 8);
+  };
+  std::vector<std::vector<uint16_t>> sets(next()), out;
+  next();  // flags
+  for (auto& set : sets) {
+    set.resize(next());
+    for (uint16_t& member : set) member = next();
+  }
+  for (size_t i = 0; i < cells; ++i) out.push_back(sets[static_cast<uint8_t>(tile[at + i])]);
+  REQUIRE(at + cells == tile.size());
+  return out;
+}
+
+TEST_CASE("Of a damaged tile all is there but what can't be read, which has a set without members", "[server]") {
+  for (int ray_axis = 0; ray_axis < 3; ++ray_axis) {
+    Served s(ray_axis);
+    const RayFrame rays = RayFrame::along(ray_axis);
+    const Metadata& meta = s.service->grids().find("g")->meta();
+    const auto entry = s.service->grids().find("g")->reader().entry({0, 0, 0, 0});
+    const LevelShape shape(meta, 0);
+    REQUIRE(entry->size > 0);
+    std::map<std::string, std::string> sound;
+    const auto targets = [](int axis) { return fmt::format("/api/v1/grids/g/tile/{}/0/0/0_0.bin?sets=1", axis_name(axis)); };
+    for (int axis = 0; axis < 3; ++axis) sound[targets(axis)] = *s.get(targets(axis)).body;
+    damage(s.path, entry->offset + entry->size / 2);
+    Service service({.named = {s.path}});
+    for (int axis = 0; axis < 3; ++axis) {
+      const RayFrame slice = RayFrame::along(axis);
+      const Index3 n = meta.grid.cells();
+      const auto width = static_cast<size_t>(std::min<int64_t>(n[slice.u], 512)),
+                 cells = width * static_cast<size_t>(std::min<int64_t>(n[slice.v], 512));
+      CHECK(handle(service, {.target = targets(axis)}).status == 500);
+      const Response rest = handle(service, {.target = targets(axis) + "&damage=1"});
+      REQUIRE(rest.status == 200);
+      const auto found = sets_of_cells(*rest.body, cells), expected = sets_of_cells(sound[targets(axis)], cells);
+      size_t lost = 0, wrong = 0;
+      for (size_t i = 0; i < cells; ++i) {
+        Index3 cell;
+        cell[axis] = 0, cell[slice.u] = static_cast<int64_t>(i % width), cell[slice.v] = static_cast<int64_t>(i / width);
+        const bool is_lost = cell[rays.u] < shape.chunk_rays && cell[rays.v] < shape.chunk_rays && cell[rays.w] < shape.chunk_cells;
+        lost += is_lost;
+        wrong += is_lost ? !found[i].empty() : found[i] != expected[i];
+      }
+      CHECK(lost > 0);
+      CHECK(wrong == 0);
+    }
+    CHECK(handle(service, {.target = targets(0) + "&damage=1&shares=1"}).status == 400);
+    CHECK(handle(service, {.target = "/api/v1/grids/g/tile/z/0/0/0_0.bin?damage=1"}).status == 400);
+  }
+}
+
 TEST_CASE("A grid that was replaced or removed while its file was closed is looked at when it is asked for", "[server]") {
   const TempFolder folder;
   const auto store = [&](const char* name, Label label) {

@@ -1,7 +1,7 @@
 // What "Go there" isolates is shown in full and the rest is faint, whatever people have chosen before; that stays as it was.
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import type { Amount, BodyStats, GridInfo } from "@page/base/grid";
+import type { Amount, BodyStats, GridInfo, OverlapReport } from "@page/base/grid";
 import { type LabelLook, shown_color } from "@page/base/materials";
 import { small_labels, with_overlaps, with_room } from "@page/state/boxes";
 import { change_bodies, show_only } from "@page/state/bodies";
@@ -27,10 +27,11 @@ const info = {
 const apart = { ...info, labels: [{ material: 0, body: "" }, { material: 1, body: "wall" }, { material: 1, body: "pipe" }, { material: 2, body: "steel" }] } as GridInfo;
 const whole = (body: string, material = 1) => ({ material, body });
 const part = (body: string, material = 1) => ({ ...whole(body, material), overlap: true as const });
+const common: Pick<OverlapReport, "cells" | "box" | "at"> = { cells: 3, box: [0, 0, 0, 3, 1, 1], at: [1, 1, 1] };
 const overlapping: GridInfo = {
   ...info,
   labels: [whole("", 0), whole("door"), whole("pipe"), part("pipe"), whole("wall"), part("wall"), whole("lid", 2), part("lid", 2)],
-  report: { ...info.report, overlaps: { list: [{ bodies: ["pipe", "wall"], owner: "wall" }, { bodies: ["pipe", "lid"], owner: null }] } },
+  report: { ...info.report, overlaps: { pairs: 2, list: [{ ...common, bodies: ["pipe", "wall"], owner: "wall" }, { ...common, bodies: ["pipe", "lid"], owner: null }] } },
 };
 
 test("what is isolated is opaque and in its colour, also when it was hidden; the rest is faint, and what was hidden of it stays hidden", () => {

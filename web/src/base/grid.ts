@@ -228,6 +228,10 @@ export class GridAddress {
     const more = this.bodies + (shares && level === 0 ? "&shares=1" : "");
     return `${this.base}/tile/${AXIS_NAMES[axis]}/${index}/${level}/${column}_${row}.bin?sets=1${more}&v=${this.hash}`;
   }
+  // A tile with what can be read of it. What can't be read has a set without members.
+  damaged_tile(axis: AxisIndex, index: number, level: number, column: number, row: number): string {
+    return `${this.base}/tile/${AXIS_NAMES[axis]}/${index}/${level}/${column}_${row}.bin?sets=1${this.bodies}&damage=1&v=${this.hash}`;
+  }
   // What is seen from somewhere: a picture, numbers for each of its pixels, or what is at one of its points. `query` says from where.
   view(ending: "png" | "bin" | "json", query: string): string {
     return `${this.base}/view.${ending}?${query}&v=${this.hash}`;

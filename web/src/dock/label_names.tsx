@@ -13,6 +13,7 @@ function entries_of(viewer: Viewer, labels: readonly number[]) {
 
 export function LabelNames({ viewer, labels }: { viewer: Viewer; labels: readonly number[] | null }) {
   if (!labels) return <span class="faint">–</span>;
+  if (labels.length === 0) return <span class="faint">can't be read</span>;
   const entries = entries_of(viewer, labels);
   const mixed = labels.length > 1;
   return (

@@ -8,11 +8,12 @@
 import { FRAMES } from "../base/axis";
 import type { Index3 } from "../base/grid";
 import { type Extent, type Place, coarser, extent_of, in_slice } from "./place";
+import type { Held } from "./store";
 import type { Tile } from "./tile";
 
 export interface Region<T = Tile> extends Extent {
   readonly tile: T | null;
-  readonly damaged: boolean;
+  readonly damaged: boolean; // some of it can't be read; without a tile, all
 }
 
 export interface Holder<T = Tile> {
@@ -36,7 +37,7 @@ const NEAR = 2; // levels: a tile that is coarser by at most this many looks lik
 const DEEP = 2; // levels: finer tiles are looked for this deep
 
 // REQUIRES: places of one slice (a cell of level 0), as cover() gives them.
-export function regions_of<T = Tile>(
+export function regions_of<T extends Held = Tile>(
   places: readonly Place[],
   slice: number,
   levels: number,
@@ -48,7 +49,7 @@ export function regions_of<T = Tile>(
   const missing: Place[] = [];
   const blank = new Set<Place>();
   let stale = false;
-  const add = (place: Place, tile: T | null, damaged = false) => regions.push({ ...extent_of(place, cells), tile, damaged });
+  const add = (place: Place, tile: T | null, damaged = tile?.damaged ?? false) => regions.push({ ...extent_of(place, cells), tile, damaged });
 
   const coarse = (place: Place, from: number, to: number): T | null => {
     for (let by = from; by <= to && place.level + by < levels; ++by) {

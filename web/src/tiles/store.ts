@@ -19,10 +19,12 @@ export interface Held {
   readonly place: Place;
   readonly name: string;
   readonly bytes: number; // that it takes in memory
+  readonly damaged?: boolean; // whether something of it can't be read
 }
 
 export interface Source<T extends Held> {
   address(place: Place): string;
+  what_is_left?(place: Place): string; // the address of a tile that is damaged, with what can be read of it
   decode(place: Place, size: readonly [number, number], buffer: ArrayBuffer): T; // throws Error for bytes that are no such tile
 }
 
@@ -163,8 +165,15 @@ export class TileStore<T extends Held> {
     this.flights.set(name, flight);
     const began = performance.now();
     try {
-      const response = await this.fetch_tile(this.source.address(place), { signal: flight.abort.signal, priority: flight.ahead ? "low" : "high" });
-      const buffer = await response.arrayBuffer();
+      const load = async (address: string) => {
+        const response = await this.fetch_tile(address, { signal: flight.abort.signal, priority: flight.ahead ? "low" : "high" });
+        return response.arrayBuffer();
+      };
+      const buffer = await load(this.source.address(place)).catch((error: unknown) => {
+        const rest = error instanceof ServerError && error.code === "damaged" ? this.source.what_is_left?.(place) : undefined;
+        if (rest === undefined) throw error;
+        return load(rest);
+      });
       if (this.closed || flight.abort.signal.aborted) return;
       this.keep(this.source.decode(place, tile_size(place, this.cells), buffer));
       this.failures.delete(name);
@@ -203,13 +212,14 @@ export class TileStore<T extends Held> {
 
   private count(waiting: number): void {
     const c = this.counters;
-    const damaged = [...this.failures.values()].filter((failure) => failure.damaged).length;
+    const lost = [...this.failures.values()].filter((failure) => failure.damaged).length;
+    const damaged = lost + [...this.tiles.values()].filter((tile) => tile.damaged).length;
     batch(() => {
       c.in_flight.value = this.flights.size;
       c.waiting.value = waiting;
       c.bytes.value = this.bytes;
       c.tiles.value = this.tiles.size;
-      c.failed.value = this.failures.size - damaged;
+      c.failed.value = this.failures.size - lost;
       c.damaged.value = damaged;
     });
   }

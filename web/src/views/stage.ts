@@ -87,6 +87,7 @@ export class Stage {
     this.store = new TileStore(
       {
         address: (p) => address.tile(p.axis, p.index, p.level, p.column, p.row, shares()),
+        what_is_left: (p) => address.damaged_tile(p.axis, p.index, p.level, p.column, p.row),
         decode: (place, size, buffer) => decode_tile(place, size, buffer, this.sets),
       },
       cells,

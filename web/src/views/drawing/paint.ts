@@ -175,11 +175,14 @@ export function paint_outline(out: Uint32Array, samples: SampleCells, regions: r
   }
 }
 
-// Draws stripes where the server cannot read the file, so that nobody takes it for air or for a material.
+// Draws stripes where the file can't be read, so that nobody takes it for air or for a material.
 export function paint_damaged(out: Uint32Array, samples: SampleCells, regions: readonly Region[], dark: number, light: number): void {
   const { each } = samples;
   const width = samples.columns.length / each;
-  for (const { x0, x1, y0, y1 } of patches_of(samples, regions.filter((region) => region.damaged), new Uint32Array(2)))
+  for (const { region, x0, x1, y0, y1 } of patches_of(samples, regions.filter(({ damaged }) => damaged), new Uint32Array(2))) {
+    const { tile } = region;
+    const is_lost = (x: number, y: number) => !tile || set_at(tile, samples.columns[x * each]!, samples.rows[y * each]!) === tile.unreadable;
     for (let y = Math.ceil(y0 / each); y < Math.ceil(y1 / each); ++y)
-      for (let x = Math.ceil(x0 / each); x < Math.ceil(x1 / each); ++x) out[y * width + x] = ((x + y) & 15) < 3 ? dark : light;
+      for (let x = Math.ceil(x0 / each); x < Math.ceil(x1 / each); ++x) if (is_lost(x, y)) out[y * width + x] = ((x + y) & 15) < 3 ? dark : light;
+  }
 }
