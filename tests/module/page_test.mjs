@@ -293,6 +293,19 @@ test("a page that is cut, that has no module, or whose module is damaged says so
   }
 });
 
+test("a file that is given to a served page does not take the place of a served grid of its name", async () => {
+  const page = await open_page(browser, server.url);
+  await page.waitForSelector(".card h2");
+  await page.locator("input[type=file]").setInputFiles({ name: "mixed.tcell", mimeType: "", buffer: readFileSync(grid_file("before")) });
+  await page.waitForFunction(() => window.teracell?.viewer.info.id === "mixed-2");
+  const materials = () => page.evaluate(() => teracell.viewer.info.materials.length);
+  const own = await materials();
+  await page.evaluate(() => (location.hash = "#g=mixed"));
+  await page.waitForFunction(() => window.teracell?.viewer.info.id === "mixed");
+  assert.notEqual(await materials(), own);
+  await close(page);
+});
+
 test("files that are dropped one right after the other keep their names", async () => {
   const page = await open_page(browser, `${host.url}/`);
   await page.waitForSelector(".card h2");

@@ -35,6 +35,10 @@ test("grids are searched by name and put in order; the slash key leads to the se
   assert.deepEqual(await names(page), ["part 7"]);
   await page.keyboard.type("x");
   await page.getByText("No name contains this text.").waitFor();
+  await page.keyboard.press("Backspace");
+  await page.getByText("1 found.").waitFor();
+  await page.keyboard.press("Enter");
+  await page.waitForFunction(() => window.teracell?.viewer.info.id === "part 7");
   await close(page);
 });
 

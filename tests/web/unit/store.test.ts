@@ -5,7 +5,7 @@ import { GridAddress } from "@page/base/grid";
 import { ServerError } from "@page/server/api";
 import type { Place } from "@page/tiles/place";
 import { SetTable } from "@page/tiles/sets";
-import { type Tile, decode_tile } from "@page/tiles/tile";
+import { type Tile, decode_tile, set_at } from "@page/tiles/tile";
 import { LIMITS, TileStore } from "@page/tiles/store";
 import { TileCounters } from "@page/tiles/counters";
 
@@ -128,4 +128,26 @@ test("a tile that failed is tried again after a while, or when the server is bac
   await s.open.get("2")!.answer();
   assert.ok(s.has(2) && !s.store.is_damaged(place(2)));
   s.store.close();
+});
+
+test("of a damaged tile what can be read of it is asked for at once, and kept", async () => {
+  const asked: string[] = [];
+  const counters = new TileCounters();
+  const fetch = async (path: string) => {
+    asked.push(path);
+    if (!path.includes("damage=1")) throw new ServerError(500, "damaged", "level 0 chunk (0, 0, 0)");
+    return { arrayBuffer: async () => new Uint8Array([2, 0, 0, 0, 0, 0, 1, 0, 7, 0, ...new Uint8Array(512 * 512 - 1).fill(1), 0]).buffer };
+  };
+  const left = { ...labels, what_is_left: (p: Place) => address.damaged_tile(p.axis, p.index, p.level, p.column, p.row) };
+  const store = new TileStore(left, [100_000, 512, 10], counters, fetch);
+  store.want([{ place: place(3), ahead: false }]);
+  await soon();
+  await soon();
+  const tile = store.find(place(3))!;
+  assert.equal(asked.length, 2);
+  assert.deepEqual([tile.damaged, sets.members(tile.unreadable!), set_at(tile, 3 * 512 + 511, 511) === tile.unreadable], [true, [], true]);
+  assert.deepEqual(sets.members(set_at(tile, 3 * 512, 0)), [7]);
+  assert.deepEqual([counters.damaged.value, counters.failed.value], [1, 0]);
+  store.want([{ place: place(3), ahead: false }]);
+  assert.equal(asked.length, 2);
 });

@@ -45,7 +45,7 @@ function Found({ viewer, found }: { viewer: Viewer; found: readonly Item[] }) {
   return (
     <div class="toolbar">
       <button class="button small" onClick={() => show_only(viewer, labels)}>
-        Show only these {grouped(labels.length)}
+        {labels.length === 1 ? "Show only this one" : `Show only these ${grouped(labels.length)}`}
       </button>
       <button class="button small" onClick={() => change_bodies(viewer, labels, { visible: false })}>
         Hide these

@@ -2,6 +2,7 @@
 import { useEffect, useRef, useState } from "preact/hooks";
 import { grouped, plural } from "../base/format";
 import type { GridSummary, UnreadableFile } from "../base/grid";
+import { contains } from "../base/names";
 import { can_read_files, open_files } from "../module/own_grids";
 import { is_alone } from "../server/transport";
 import { Icon } from "../widgets/icons";
@@ -77,11 +78,12 @@ interface ChoiceProps {
   readonly text: string;
   readonly order: Order;
   search(text: string): void;
+  open(): void; // what is found, by Enter
   sort(order: Order): void;
 }
 
 // "/" leads to the search, as on many pages.
-function Choice({ text, order, search, sort }: ChoiceProps) {
+function Choice({ text, order, search, open, sort }: ChoiceProps) {
   const field = useRef<HTMLInputElement>(null);
   useEffect(() => {
     const on_key = (event: KeyboardEvent) => {
@@ -102,6 +104,7 @@ function Choice({ text, order, search, sort }: ChoiceProps) {
         aria-label="Search grids by name"
         value={text}
         onInput={(e) => search(e.currentTarget.value)}
+        onKeyDown={(e) => e.key === "Enter" && open()}
       />
       <Select label="Order of the grids" value={order} list={ORDERS} set={sort} />
     </div>
@@ -113,21 +116,26 @@ function List({ grids, broken }: { grids: readonly GridSummary[]; broken: readon
   const [order, set_order] = useState<Order>("name");
   const many = grids.length > FEW;
   const found = many ? listed(grids, text, order) : grids;
+  const unreadable = many ? broken.filter(({ id }) => contains(id, text)) : broken;
+  const searched = many && text.trim() !== "";
+  const open_only = () => {
+    if (searched && found.length === 1) location.hash = `#g=${encodeURIComponent(found[0]!.id)}`;
+  };
   return (
     <>
       <div class="start-head">
         <h1>{headline(grids.length, broken.length)}</h1>
-        {many && <Choice text={text} order={order} search={set_text} sort={set_order} />}
+        {many && <Choice text={text} order={order} search={set_text} open={open_only} sort={set_order} />}
         <FileChoice />
       </div>
       <p class="note" role="status">
-        {many && found.length === 0 && "No name contains this text."}
+        {searched && (found.length + unreadable.length === 0 ? "No name contains this text." : `${grouped(found.length)} found.`)}
       </p>
       <ul class="cards">
         {found.map((grid) => (
           <Card key={grid.id} grid={grid} />
         ))}
-        {broken.map((file, n) => (
+        {unreadable.map((file, n) => (
           <UnreadableCard key={`${n} ${file.id}`} file={file} />
         ))}
       </ul>
