@@ -98,7 +98,7 @@ class Scenes(Case):
         for i, body in ((1, 1), (3, 2)):
             self.assertEqual(apart[i]["cells"] + apart[i + 1]["cells"], found["bodies"][body]["cells"])
         common = self.json_of("info", "g.tcell")["report"]["overlaps"]["list"]
-        self.assertEqual([apart[2]["cells"], apart[4]["cells"]], [0, common[0]["cells"] if common else 0], "of two bodies the later one owns what both hold")
+        self.assertEqual([apart[2]["cells"], apart[4]["cells"]], [0, common[0]["cells"]], "of two bodies the later one owns what both hold")
         self.assertIn("right, in others too: steel", self.run_ok("stats", "g.tcell", "--bodies").out)
         self.run_ok("verify", "g.tcell")
         self.refused(2, ["links", '"overlap"'], "mesh", "s.json", "--links", "-o", "h.tcell")

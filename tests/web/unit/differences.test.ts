@@ -30,6 +30,7 @@ test("sets are compared by the names of their materials, whatever their ids", ()
   assert.equal(verdict([0, 2], [0, 1]), SAME);
   assert.equal(verdict([0, 1], [1]), PARTLY);
   assert.equal(verdict([0, 1], [0, 2]), DIFFERS);
+  assert.deepEqual([verdict([], [1]), verdict([2], [])], [SAME, SAME], "what can't be read is not marked");
   assert.equal(comparison.verdict(0, right.number_of([1])), ALONE);
   assert.equal(comparison.verdict(left.number_of([1]), 0), ALONE);
   assert.equal(comparison.verdict(0, 0), SAME);

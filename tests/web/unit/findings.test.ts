@@ -1,7 +1,7 @@
 // Findings are grouped by kind, the worst first, and the verdict says how bad they are.
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { type Finding, type Findings, bodies_of, groups_of } from "@page/base/findings";
+import { type Finding, type Findings, bodies_of, groups_of, overlaps_reported } from "@page/base/findings";
 import { not_checked, verdict } from "@page/panels/finding_words";
 import { markers_of } from "@page/state/findings";
 
@@ -57,4 +57,15 @@ test("what has a place can be marked, the worst of each kind first, but not more
 test("a grid that nobody has looked through is not called fine", () => {
   assert.deepEqual(not_checked({ level: "fine", text: "All is closed." }), { level: "look", text: "Not checked yet. All is closed." });
   assert.deepEqual(not_checked({ level: "bad", text: "A hole." }), { level: "bad", text: "A hole." });
+});
+
+test("overlaps that the mesher has found are findings of a grid that nobody has checked", () => {
+  const report = { bodies: [], crossings: 0, warnings: [], inputs: [] };
+  const pair = { bodies: ["a", "b"] as [string, string], cells: 1, box: [0, 0, 0, 1, 1, 1] as Finding["box"] & object, at: [0.5, 0.5, 0.5] as [number, number, number] };
+  const group = overlaps_reported({ ...report, overlaps: { pairs: 7, list: [{ ...pair, cells: 2000, owner: "b" }, { ...pair, owner: null }] } })!;
+  assert.deepEqual([group.kind, group.level, group.total], ["overlap", "note", 7]);
+  assert.match(group.findings[0]!.text, /^'a' and 'b' overlap in 2.000 cells, which 'b' owns\.$/);
+  assert.equal(group.findings[1]!.text, "'a' and 'b' overlap in 1 cell, which a third body owns in part.");
+  assert.equal(overlaps_reported(report), null);
+  assert.equal(overlaps_reported({ ...report, overlaps: { pairs: 0, list: [] } }), null);
 });

@@ -9,6 +9,7 @@ import { go_to_finding } from "@page/visits/go_there";
 import { isolated_text, labels_named, labels_of_overlap, looks_around } from "@page/state/isolation";
 import { named_places } from "@page/state/named_places";
 import { Viewer } from "@page/state/viewer";
+import { substance_of } from "@page/overview/sight/layers";
 import { escape } from "@page/views/actions";
 
 const cells = [100, 80, 60];
@@ -67,11 +68,15 @@ test("names stand for bodies, or for the material of a body that has no label of
 
 test("it is said what is isolated: a few by their names, many by their number", () => {
   const name = (label: number) => `body ${label}`;
-  const text = (labels: number[]) => isolated_text({ labels, box: null }, overlapping.labels!, name, true);
+  const text = (labels: number[], overlaps = overlapping.report.overlaps) => isolated_text({ labels, box: null }, { labels: overlapping.labels!, overlaps }, name, true);
   assert.equal(text([1, 2]), "body 1, body 2");
   assert.equal(text([1, 2, 4, 6]), "4 bodies");
   assert.equal(text([]), "a place");
-  assert.equal(text([1, 4, 5]), "the overlap of body 1 and body 4");
+  assert.equal(text([2, 4, 5]), "the overlap of body 2 and body 4");
+  const { list } = overlapping.report.overlaps!;
+  assert.equal(text([2, 4, 5], { pairs: 3, list: [...list, { ...common, bodies: ["door", "wall"], owner: "wall" }] }), "the overlaps of wall", "a label does not say with which body");
+  assert.equal(text([2, 4, 5], { pairs: 9, list }), "the overlaps of wall", "not all pairs are listed");
+  assert.equal(text([2, 3, 5, 6, 7]), "all overlaps");
 });
 
 test("the cells that two bodies have in common are labels of their own: of the body that owns them, or of all where a third one owns some", () => {
@@ -89,6 +94,8 @@ test("an overlap that is gone to is solid in its colour, in bodies of glass; a b
   assert.deepEqual(viewer.isolated.value!.labels, [2, 4, 5]);
   const seen = () => viewer.shown_looks.value.slice(1).map(({ faint, glass }) => (faint ? "faint" : glass ? "glass" : "solid"));
   assert.deepEqual(seen(), ["faint", "glass", "glass", "glass", "solid", "faint", "faint"]);
+  const sight = { looks: viewer.shown_looks.value, mode: "cut" as const, small: new Set([2, 3, 4, 5]) };
+  assert.deepEqual([2, 4, 5].map((label) => substance_of(sight, label)), ["glass", "glass", "solid"], "small bodies as well");
   assert.notDeepEqual(viewer.shown_looks.value[5]!.color, viewer.shown_looks.value[4]!.color);
   viewer.isolated.value = { labels: [4], box: null };
   assert.deepEqual(seen(), ["faint", "faint", "faint", "solid", "solid", "faint", "faint"]);

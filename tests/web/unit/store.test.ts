@@ -149,5 +149,10 @@ test("of a damaged tile what can be read of it is asked for at once, and kept", 
   assert.deepEqual(sets.members(set_at(tile, 3 * 512, 0)), [7]);
   assert.deepEqual([counters.damaged.value, counters.failed.value], [1, 0]);
   store.want([{ place: place(3), ahead: false }]);
-  assert.equal(asked.length, 2);
+  assert.equal(asked.length, 2, "it is not tried so soon");
+  store.retry();
+  await soon();
+  await soon();
+  assert.equal(asked.length, 4);
+  assert.ok(store.find(place(3))!.damaged);
 });

@@ -1,5 +1,6 @@
 // What a cell is made of: its material or body, or the set of them in a coarse cell, with their colours. A dash while it
 // is not known.
+import { without_overlap } from "../base/grid";
 import type { Viewer } from "../state/viewer";
 import { Swatch } from "../widgets/swatch";
 
@@ -11,8 +12,10 @@ function entries_of(viewer: Viewer, labels: readonly number[]) {
   return [...materials].map((id) => ({ name: viewer.info.materials[id]!.name, look: viewer.looks.value[id] }));
 }
 
-export function LabelNames({ viewer, labels }: { viewer: Viewer; labels: readonly number[] | null }) {
-  if (!labels) return <span class="faint">–</span>;
+export function LabelNames({ viewer, labels: all }: { viewer: Viewer; labels: readonly number[] | null }) {
+  if (!all) return <span class="faint">–</span>;
+  // Of several, what a body has alone and what lies in others as well are one.
+  const labels = all.length === 1 ? all : [...new Set(all.map((label) => without_overlap(viewer.labels, label)))];
   if (labels.length === 0) return <span class="faint">can't be read</span>;
   const entries = entries_of(viewer, labels);
   const mixed = labels.length > 1;

@@ -1,6 +1,6 @@
 // Makes a figure: gets what its subject needs, lays it out, and draws it.
 import { coordinate } from "../base/format";
-import { AXIS_NAMES, type AxisIndex } from "../base/grid";
+import { AXIS_NAMES, type AxisIndex, without_overlap } from "../base/grid";
 import { png_of } from "../base/download";
 import type { Viewer } from "../state/viewer";
 import type { Rgb } from "../tiles/sets";
@@ -37,8 +37,10 @@ export function legend_of(viewer: Viewer, labels: readonly number[]): Entry[] {
   for (const label of labels) {
     const look = viewer.shown_looks.peek()[label]; // none: it can't be read
     if (!look?.visible || look.opacity === 0 || look.faint) continue;
-    const is_own = viewer.body_looks.peek().get(label)?.color !== undefined;
-    const name = is_own ? viewer.name_of(label) : viewer.info.materials[look.material]!.name;
+    const whole = without_overlap(viewer.labels, label);
+    const is_overlap = whole !== label && viewer.isolated.peek()?.labels.includes(label);
+    const is_own = viewer.body_looks.peek().get(whole)?.color !== undefined;
+    const name = is_overlap ? viewer.name_of(label) : is_own ? viewer.name_of(whole) : viewer.info.materials[look.material]!.name;
     entries.set(name, { name, color: `rgb(${look.color.join(",")})`, opacity: look.opacity, order: look.material });
   }
   return [...entries.values()].sort((a, b) => a.order - b.order);

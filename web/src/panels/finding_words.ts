@@ -9,7 +9,7 @@ export const KINDS: Record<Kind, { name: string; means: string }> = {
   cap: { name: "Holes", means: "They were closed by caps. A cap is a guess." },
   seam: { name: "Seams", means: "Open edges close to each other were stitched." },
   overlap: { name: "Overlaps", means: "Cells that lie in two bodies belong to the stronger one." },
-  lost_stretch: { name: "Lost parts", means: "They are thinner than a cell: no sample point meets them. Bodies that the scene keeps there have cells all the same." },
+  lost_stretch: { name: "Lost parts", means: "They are thinner than a cell: no sample point meets them. Bodies with \"thin\": \"keep\" have cells there all the same." },
   lost_gap: { name: "Lost gaps", means: "They are narrower than a cell, so what they part has grown together." },
   thin: { name: "Thin walls", means: "So few cells thick that finer ones would resolve them better." },
   narrow: { name: "Narrow gaps", means: "So few cells of background wide that finer ones would resolve them better." },

@@ -97,7 +97,7 @@ function GroupOf({ viewer, group, on_open, on_visit }: GroupProps) {
             <p class="note">{means}</p>
             {group.kind === "overlap" && !viewer.labels.some(({ overlap }) => overlap) && (
               <p class="note">
-                Meshed with <code>"label_by": "overlap"</code> in the scene, the cells of each overlap are shown by themselves.
+                Meshed with <code>"label_by": "overlap"</code> in the scene, the cells that lie in several bodies are shown by themselves.
               </p>
             )}
             <FirstOf class="places findings" list={group.findings} step={MANY}>

@@ -129,7 +129,7 @@ function List({ grids, broken }: { grids: readonly GridSummary[]; broken: readon
         <FileChoice />
       </div>
       <p class="note" role="status">
-        {searched && (found.length + unreadable.length === 0 ? "No name contains this text." : `${grouped(found.length)} found.`)}
+        {searched && (found.length + unreadable.length === 0 ? "No name contains this text." : `${grouped(found.length + unreadable.length)} found.`)}
       </p>
       <ul class="cards">
         {found.map((grid) => (

@@ -1,6 +1,6 @@
 // What "Go there" isolates: some bodies, or materials where the file does not keep bodies apart, are drawn in full, and all else stands around
 // them as faint as glass. What people have hidden, faded and coloured stays as it is behind that. Pure.
-import { type GridInfo, type Label, without_overlap } from "../base/grid";
+import { type GridInfo, type Label, type Report, without_overlap } from "../base/grid";
 import type { LabelLook } from "../base/materials";
 import type { Box } from "./boxes";
 
@@ -47,7 +47,8 @@ export function labels_named(info: Named, names: readonly string[]): number[] {
   return [...found].filter((label) => labels[label]!.material !== 0).sort((a, b) => a - b);
 }
 
-// The labels of the cells that two bodies have in common, where the file keeps them apart: those of the body that owns them all, or else of any.
+// The labels that the cells which two bodies have in common may have, where the file keeps overlaps apart: that of the body that owns them all,
+// or else any. A label does not say which bodies its cells lie in, so these cells may be more.
 export function labels_of_overlap({ labels, report }: Named, bodies: readonly string[]): number[] {
   const owner = report.overlaps?.list.find((one) => one.bodies.every((name, n) => name === bodies[n]))?.owner;
   return (labels ?? []).flatMap(({ body, overlap }, n) => (overlap && body === (owner ?? body) ? [n] : []));
@@ -55,10 +56,20 @@ export function labels_of_overlap({ labels, report }: Named, bodies: readonly st
 
 const MOST_NAMES = 3;
 
+// Whether all that a body owns of overlaps is of one pair.
+function is_alone(owner: string, overlaps: Report["overlaps"]): boolean {
+  const pairs = overlaps?.list.filter((pair) => pair.bodies.includes(owner) && (pair.owner === owner || pair.owner === null));
+  return overlaps?.list.length === overlaps?.pairs && pairs?.length === 1;
+}
+
 // What is isolated, in words.
-export function isolated_text(isolation: Isolation, labels: readonly Label[], name_of: (label: number) => string, keeps_bodies: boolean): string {
+export function isolated_text(isolation: Isolation, { labels, overlaps }: { labels: readonly Label[]; overlaps: Report["overlaps"] }, name_of: (label: number) => string, keeps_bodies: boolean): string {
   const own = isolation.labels.filter((label) => !labels[label]?.overlap);
-  if (shows_overlap(labels, isolation)) return `the overlap of ${own.map(name_of).join(" and ")}`;
+  if (shows_overlap(labels, isolation)) {
+    const owners = isolation.labels.flatMap((label) => (labels[label]?.overlap ? [labels[label].body] : []));
+    if (owners.length > 1) return "all overlaps";
+    return own.length === 2 && is_alone(owners[0]!, overlaps) ? `the overlap of ${own.map(name_of).join(" and ")}` : `the overlaps of ${owners[0]}`;
+  }
   if (own.length === 0) return "a place";
   if (own.length > MOST_NAMES) return `${own.length} ${keeps_bodies ? "bodies" : "materials"}`;
   return own.map(name_of).join(", ");

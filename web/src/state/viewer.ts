@@ -3,7 +3,7 @@
 import { type ReadonlySignal, type Signal, batch, computed, signal } from "@preact/signals";
 import { type Axis, axes_of } from "../base/axis";
 import { unit_name } from "../base/format";
-import { type Amount, type AxisIndex, GridAddress, type GridInfo, type Index3, type Label, type Plane, type Refinement, type Stats, for_axes } from "../base/grid";
+import { type Amount, type AxisIndex, GridAddress, type GridInfo, type Index3, type Label, type Plane, type Refinement, type Stats, for_axes, without_overlap } from "../base/grid";
 import { type LabelLook, type MaterialLook, initial_looks, looks_of_labels } from "../base/materials";
 import { upright_axis } from "../base/upright";
 import { TileCounters } from "../tiles/counters";
@@ -173,7 +173,11 @@ export class Viewer {
     this.label_looks = computed(() => looks_of_labels(this.labels, this.looks.value, this.body_looks.value));
     this.shown_looks = computed(() => looks_around(this.label_looks.value, this.isolated.value, this.labels));
     this.marks = computed(() => marks_in(this.markers.value, this.isolated.value));
-    this.small = computed(() => small_labels(this.axes, this.amounts ?? [], (label) => this.labels[label]!.material === 0));
+    this.small = computed(() => {
+      const { labels } = this;
+      const wholes = small_labels(this.axes, this.amounts ?? [], (label) => labels[label]!.material === 0);
+      return new Set(labels.flatMap((_, label) => (wholes.has(without_overlap(labels, label)) ? [label] : [])));
+    });
     this.standard_sky = upright_axis(info.report);
     this.sky = signal(this.standard_sky);
     // Some 16 of the coarsest cells along the longest axis.

@@ -19,7 +19,7 @@ export interface Held {
   readonly place: Place;
   readonly name: string;
   readonly bytes: number; // that it takes in memory
-  readonly damaged?: boolean; // whether something of it can't be read
+  readonly damaged?: boolean; // it is what could be read of a damaged one
 }
 
 export interface Source<T extends Held> {
@@ -88,20 +88,21 @@ export class TileStore<T extends Held> {
     this.pump();
   }
 
-  // The server is back: asks at once for the tiles that failed, and again for those on their way, which may never come.
+  // The server is back: asks at once for the tiles that failed or are damaged, and again for those on their way, which may never come.
   retry(): void {
-    this.abandon();
-    this.failures.clear();
-    this.pump();
-    this.on_change();
+    this.drop(({ damaged }) => damaged === true);
   }
 
   // The source answers otherwise from now on: asks anew for the tiles that this changes.
   renew(changed: (place: Place) => boolean): void {
+    this.drop(({ place }) => changed(place));
+  }
+
+  private drop(is_old: (tile: T) => boolean): void {
     this.abandon();
     this.failures.clear();
     for (const [name, tile] of this.tiles) {
-      if (!changed(tile.place)) continue;
+      if (!is_old(tile)) continue;
       this.tiles.delete(name);
       this.bytes -= tile.bytes;
     }
@@ -165,6 +166,7 @@ export class TileStore<T extends Held> {
     this.flights.set(name, flight);
     const began = performance.now();
     try {
+      let damaged = false;
       const load = async (address: string) => {
         const response = await this.fetch_tile(address, { signal: flight.abort.signal, priority: flight.ahead ? "low" : "high" });
         return response.arrayBuffer();
@@ -172,11 +174,14 @@ export class TileStore<T extends Held> {
       const buffer = await load(this.source.address(place)).catch((error: unknown) => {
         const rest = error instanceof ServerError && error.code === "damaged" ? this.source.what_is_left?.(place) : undefined;
         if (rest === undefined) throw error;
+        damaged = true;
         return load(rest);
       });
       if (this.closed || flight.abort.signal.aborted) return;
-      this.keep(this.source.decode(place, tile_size(place, this.cells), buffer));
+      const tile = this.source.decode(place, tile_size(place, this.cells), buffer);
+      this.keep(damaged ? { ...tile, damaged } : tile);
       this.failures.delete(name);
+      if (damaged) this.failures.set(name, { count: 1, until: performance.now() + this.limits.retry_most_ms, damaged });
       this.counters.latencies.value = [...this.counters.latencies.value.slice(1 - this.limits.latencies), performance.now() - began];
     } catch (error) {
       if (this.closed || flight.abort.signal.aborted) return;
@@ -212,14 +217,13 @@ export class TileStore<T extends Held> {
 
   private count(waiting: number): void {
     const c = this.counters;
-    const lost = [...this.failures.values()].filter((failure) => failure.damaged).length;
-    const damaged = lost + [...this.tiles.values()].filter((tile) => tile.damaged).length;
+    const damaged = [...this.failures.values()].filter((failure) => failure.damaged).length;
     batch(() => {
       c.in_flight.value = this.flights.size;
       c.waiting.value = waiting;
       c.bytes.value = this.bytes;
       c.tiles.value = this.tiles.size;
-      c.failed.value = this.failures.size - lost;
+      c.failed.value = this.failures.size - damaged;
       c.damaged.value = damaged;
     });
   }

@@ -37,7 +37,7 @@ export const slice_bindings: readonly Binding[] = [
   { keys: "g", does: "go to a place: coordinates, a cell, or the name of a body, a part or a material" },
   { keys: "h ?", does: "show these keys" },
   { keys: "Escape", does: "put the tool away; show all again; let go of the chosen line; remove the box or the pin" },
-  { keys: "Delete", does: "remove the chosen line" },
+  { keys: "Delete, Backspace", does: "remove the chosen line" },
 ];
 
 export const overview_bindings: readonly Binding[] = [

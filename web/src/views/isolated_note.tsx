@@ -4,7 +4,7 @@ import type { Viewer } from "../state/viewer";
 
 export function IsolatedNote({ viewer }: { viewer: Viewer }) {
   const isolated = viewer.isolated.value;
-  const text = isolated && isolated_text(isolated, viewer.labels, (label) => viewer.labels[label]!.body || viewer.name_of(label), viewer.keeps_bodies);
+  const text = isolated && isolated_text(isolated, { labels: viewer.labels, overlaps: viewer.info.report.overlaps }, (label) => viewer.labels[label]!.body || viewer.name_of(label), viewer.keeps_bodies);
   return (
     <div class="isolated-note" role="status">
       {isolated && (

@@ -15,12 +15,11 @@ const CELLS_AROUND = 8;
 
 export const middle_cell = (box: Box): Index3 => for_axes((d) => (box[d] + box[d + 3]! - 1) >> 1);
 
-// Puts the crosshair into a cell of the labels near the middle of their box. It is in the middle until that is known.
-async function enter(viewer: Viewer, labels: readonly number[], box: Box): Promise<void> {
-  const middle = middle_cell(box);
-  viewer.set_cell(middle);
+// Puts the crosshair into a cell of the labels near the middle of their box. Until that is known, and where it stays unknown, it is in `meanwhile`.
+async function enter(viewer: Viewer, labels: readonly number[], box: Box, meanwhile = middle_cell(box)): Promise<void> {
+  viewer.set_cell(meanwhile);
   const here = viewer.cell.peek();
-  const cell = await nearest_cell(viewer, labels, box, middle);
+  const cell = await nearest_cell(viewer, labels, box, middle_cell(box));
   if (cell && viewer.cell.peek() === here) viewer.set_cell(cell); // unless somebody has moved on
 }
 
@@ -42,8 +41,8 @@ export async function go_to_labels(viewer: Viewer, named: readonly number[]): Pr
   }
 }
 
-// What was found is framed, not the bodies that it was found in. What has no place of its own is shown as these bodies. Of an overlap its own cells
-// are shown, where the file keeps them apart.
+// What was found is framed, not the bodies that it was found in. What has no place of its own is shown as these bodies. Of an overlap the
+// cells of its owner that lie in other bodies are shown, where the file keeps them apart.
 export function go_to_finding(viewer: Viewer, { at, box, bodies, kind }: Pick<Finding, "at" | "box" | "bodies"> & { kind?: Finding["kind"] }): void {
   const of_overlap = kind === "overlap" ? labels_of_overlap(viewer.info, bodies) : [];
   const labels = [...labels_named(viewer.info, bodies), ...of_overlap].sort((a, b) => a - b);
@@ -53,7 +52,7 @@ export function go_to_finding(viewer: Viewer, { at, box, bodies, kind }: Pick<Fi
   batch(() => {
     viewer.isolated.value = { labels, box: place };
     viewer.set_cell(cell);
-    if (of_overlap.length > 0) enter(viewer, of_overlap, place).catch(() => viewer.set_cell(cell));
+    if (of_overlap.length > 0) enter(viewer, of_overlap, place, cell).catch(() => {}); // it stays there
     viewer.frame(with_room(viewer.axes, place, ROOM_OF_FINDING, CELLS_AROUND));
   });
 }

@@ -52,6 +52,7 @@ export class SetComparison {
     if (a === OUTSIDE || b === OUTSIDE) return a === b ? SAME : ALONE;
     const names = (side: Side, set: number) => new Set(side.sets.members(set)!.map((label) => side.names[label]));
     const [x, y] = [names(this.left, a), names(this.right, b)];
+    if (x.size === 0 || y.size === 0) return SAME; // it can't be read
     const common = [...x].filter((name) => y.has(name)).length;
     const is_background = (of: ReadonlySet<string | undefined>, side: Side) => of.size === 1 && of.has(side.background);
     if (common === 0) return is_background(x, this.left) ? ADDED : is_background(y, this.right) ? REMOVED : DIFFERS;
