@@ -68,8 +68,9 @@ def tag_of(folder):
     system, machine = sysconfig.get_platform().split("-", 1)
     programs = [path for path in folder.rglob("*") if path.is_file() and path.read_bytes().startswith(b"\x7fELF")]
     needs = subprocess.run(["objdump", "-p", *programs], check=True, capture_output=True, text=True).stdout
-    if set(re.findall(r"NEEDED +(\S+)", needs)) <= GLIBC | {path.name for path in programs}:
-        system = f"manylinux_2_{max(map(int, re.findall(r'GLIBC_2[.]([0-9]+)', needs)))}"  # a program for glibc names at least one
+    versions = [int(minor) for minor in re.findall(r"GLIBC_2[.]([0-9]+)", needs)]
+    if versions and set(re.findall(r"NEEDED +(\S+)", needs)) <= GLIBC | {path.name for path in programs}:
+        system = f"manylinux_2_{max(versions)}"
     return f"{python}-{python}-{system}_{machine}"
 
 
