@@ -100,7 +100,7 @@ TEST_CASE("A body may be called like a side of the domain, and its groups by any
   CHECK(GridReader(folder / "g.tcell").meta().patches.size() == 10);
 }
 
-TEST_CASE("Groups that a file has no room for belong to the patch of their body", "[patches]") {
+TEST_CASE("Groups that a file has no room for belong to the patch of their body", "[patches][long]") {
   const TempFolder folder;
   write_cube(folder / "cube.obj", {"", "", "", "", "", ""});
   std::ofstream more(folder / "cube.obj", std::ios::app);

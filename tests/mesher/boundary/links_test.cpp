@@ -173,7 +173,7 @@ TEST_CASE("Links of long rays are those of rays along another axis") {
   }
 }
 
-TEST_CASE("Chunks are shorter where walls along the rays have links of every cell") {
+TEST_CASE("Chunks are shorter where walls along the rays have links of every cell", "[long]") {
   const TempFolder folder;
   std::vector<Body> bodies;
   for (int i = 0; i < 8; ++i) bodies.push_back({shapes::box({8. * i + 2.2, 1.3, 1.3}, {8. * i + 5.1, 62.2, 16300.4})});

@@ -68,7 +68,7 @@ size_t files_in(const TempFolder& folder) {
 
 }  // namespace
 
-TEST_CASE("Any number of processes, with any memory and threads, make the bytes of one run", "[parts]") {
+TEST_CASE("Any number of processes, with any memory and threads, make the bytes of one run", "[parts][long]") {
   const TempFolder folder;
   const Scene scene = scene_in_parts(folder, 150);
   for (int axis = 0; axis < 3; ++axis) {

@@ -15,7 +15,7 @@ Metadata square(uint32_t rays) {
 
 }  // namespace
 
-TEST_CASE("Stretches follow each other and cover the tree, also where there are more than groups", "[parts]") {
+TEST_CASE("Stretches follow each other and cover the tree, also where there are more than groups", "[parts][long]") {
   for (const uint32_t rays : {1u, 100u, 5000u, 200'000u})
     for (const uint32_t of : {1u, 2u, 7u, 1000u}) {
       const Metadata meta = square(rays);

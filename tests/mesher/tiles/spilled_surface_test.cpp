@@ -54,7 +54,7 @@ TEST_CASE("The file's bytes do not depend on the memory given, nor on threads", 
     }
 }
 
-TEST_CASE("The cells do not depend on the size of the chunks") {
+TEST_CASE("The cells do not depend on the size of the chunks", "[long]") {
   const TempFolder folder;
   const Scene scene = scene_of_many_kinds(folder);
   std::vector<uint32_t> first;

@@ -50,7 +50,7 @@ struct Stored {
   }
 };
 
-TEST_CASE("The parts of a picture are those of the whole one, however the rays lie and whatever is shown of it", "[server]") {
+TEST_CASE("The parts of a picture are those of the whole one, however the rays lie and whatever is shown of it", "[server][long]") {
   for (const int ray_axis : {0, 1, 2}) {
     if (kSanitized && ray_axis != 1) continue;
     const Stored s({700, 620, 3}, ray_axis, 5);

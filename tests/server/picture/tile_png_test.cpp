@@ -67,7 +67,7 @@ Numbers rings(uint32_t width, uint32_t height, uint32_t numbers) {
   return out;
 }
 
-TEST_CASE("tiles of every width and number of colours are decoded to the same pixels", "[server]") {
+TEST_CASE("tiles of every width and number of colours are decoded to the same pixels", "[server][long]") {
   Random random(1);
   for (const uint32_t count : {1u, 2u, 3u, 4u, 5u, 16u, 17u, 256u, 257u, 1000u}) {
     const auto colors = different_colors(count);

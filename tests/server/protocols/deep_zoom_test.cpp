@@ -37,7 +37,7 @@ void check_slice(ServedCells& served, int axis, int64_t index) {
   require_missing(served.get(fmt::format("{}_files/{}/0_0.png", address, last + 1)));
 }
 
-TEST_CASE("Deep Zoom: every pixel of every level across every axis, from the top", "[server]") {
+TEST_CASE("Deep Zoom: every pixel of every level across every axis, from the top", "[server][long]") {
   ServedCells served(odd_grid(), 1, 6);
   for (int axis = 0; axis < 3; ++axis)
     for (const int64_t index : {int64_t{0}, int64_t{33}, served.meta().grid.cells()[static_cast<size_t>(axis)] - 1}) check_slice(served, axis, index);

@@ -59,7 +59,7 @@ void check_slice(ServedCells& served, const std::string& id, int axis, int64_t i
   }
 }
 
-TEST_CASE("IIIF: every tile and every size that info.json offers, pixel by pixel", "[server]") {
+TEST_CASE("IIIF: every tile and every size that info.json offers, pixel by pixel", "[server][long]") {
   ServedCells served(odd_grid(), 1, 6);
   for (int axis = 0; axis < 3; ++axis) check_slice(served, "g", axis, 41);
   const Png full = png_of(*served.get("/iiif/g-x-41/full/max/0/default.png").body);
@@ -67,7 +67,7 @@ TEST_CASE("IIIF: every tile and every size that info.json offers, pixel by pixel
   REQUIRE(shows(full, expected_picture(served, 0, 41, 0), 0, 0));
 }
 
-TEST_CASE("IIIF: several tiles; the whole picture is there at scales within the limit of pixels", "[server]") {
+TEST_CASE("IIIF: several tiles; the whole picture is there at scales within the limit of pixels", "[server][long]") {
   ServedCells served(long_grid(), 0, 5, 0, "a-y-1");  // an id that looks like another slice's name
   check_slice(served, "a-y-1", 1, 2);
   const Response whole = served.get("/iiif/a-y-1-y-2/full/max/0/default.png");

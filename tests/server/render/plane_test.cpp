@@ -58,7 +58,7 @@ TEST_CASE("A normal and an offset, two angles and a point, and three points say 
   CHECK(view_of(grid, {{"plane", "90,0,1,0,3"}}).right == view_of(grid, {{"plane", "0,1,0,0"}}).right);  // right angles are exact
 }
 
-TEST_CASE("All of a plane that lies in the grid is in its picture, and no side of it is farther away than a pixel", "[render]") {
+TEST_CASE("All of a plane that lies in the grid is in its picture, and no side of it is farther away than a pixel", "[render][long]") {
   const Grid grid = plain_grid();
   std::mt19937_64 random(3);
   std::uniform_real_distribution<double> share(0, 1);

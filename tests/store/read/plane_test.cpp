@@ -45,7 +45,7 @@ PlaneView random_view(std::mt19937_64& random, const Grid& grid, int level) {
   return view;
 }
 
-TEST_CASE("Each pixel of a plane has the cell in which its middle lies, for any plane, ray axis and level") {
+TEST_CASE("Each pixel of a plane has the cell in which its middle lies, for any plane, ray axis and level", "[long]") {
   const Grid grid = three_axes();
   std::mt19937_64 random(11);
   const auto cells = random_cells(random, grid.cells(), 4);

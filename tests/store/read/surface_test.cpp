@@ -52,7 +52,7 @@ Vec3 random_direction(std::mt19937_64& random) {
   return v * (1 / length(v));
 }
 
-TEST_CASE("A ball is as thick as its diameter wherever its surface is met, and the normal points away from its middle") {
+TEST_CASE("A ball is as thick as its diameter wherever its surface is met, and the normal points away from its middle", "[long]") {
   std::mt19937_64 random(40);
   const Grid uniform = cube_grid(0, 60, 60),
              flat = {{Axis::uniform(0, 1, 0, 60, 0.5), Axis::uniform(0, 0.5, 0, 120, 0.5), Axis::uniform(0, 0.75, 0, 80, 0.5)}};
@@ -75,7 +75,7 @@ TEST_CASE("A ball is as thick as its diameter wherever its surface is met, and t
     }
 }
 
-TEST_CASE("A wall is as thick as it is along its normal, however it is turned and however thin it is") {
+TEST_CASE("A wall is as thick as it is along its normal, however it is turned and however thin it is", "[long]") {
   std::mt19937_64 random(41);
   const Grid grid = cube_grid(0, 64, 64);
   for (const double thickness : {2.0, 3.5, 9.0})

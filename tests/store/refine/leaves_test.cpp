@@ -54,7 +54,7 @@ Refinement random_refinement(std::mt19937_64& random, const Index3& n, uint32_t 
   return r;
 }
 
-TEST_CASE("The leaves of random grids, selectors and regions are those of the definition, for any ray axis, chunks and threads") {
+TEST_CASE("The leaves of random grids, selectors and regions are those of the definition, for any ray axis, chunks and threads", "[long]") {
   const TempFolder folder;
   for (int seed = 0; seed < 60; ++seed) {
     std::mt19937_64 random(static_cast<uint64_t>(seed));
@@ -111,7 +111,7 @@ TEST_CASE("Faces on a patch of the surface want its level, and those of a materi
   }
 }
 
-TEST_CASE("The leaves of real surfaces are those of the definition, for any ray axis") {
+TEST_CASE("The leaves of real surfaces are those of the definition, for any ray axis", "[long]") {
   const auto meshes = shared_files("meshes");
   if (!meshes) return;
   const TempFolder folder;

@@ -71,7 +71,7 @@ bool is_closed(const std::vector<Triangle>& triangles) {
 
 }  // namespace
 
-TEST_CASE("the stadium is a scene of closed, outward oriented surfaces inside its domain", "[sample]") {
+TEST_CASE("the stadium is a scene of closed, outward oriented surfaces inside its domain", "[sample][long]") {
   const StadiumFolder folder;
   const mesher::Scene scene = mesher::read_scene(folder.path() / "scene.json");
   const Grid grid = resolve_grid(scene, {}, {});
