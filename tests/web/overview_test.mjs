@@ -45,7 +45,7 @@ const CAMERAS = [
 ];
 CAMERAS.forEach(([grid, bodies, orbit, cut], i) =>
   test(`${grid}, ${bodies}, camera ${i}: the picture at rest is that of \`teracell render\``, async () => {
-    const page = await open(grid, `&bodies=${bodies}&plane=1,0.5,0.2`);
+    const page = await open(grid, `&bodies=${bodies}&plane=1,0.5,0.2`, { width: 900, height: 620 });
     await sharp_again(page, () => set_state(page, { orbit }));
     const { x, y, width, height } = await canvas_box(page);
     const cell = await state(page, "cell");
@@ -62,7 +62,7 @@ CAMERAS.forEach(([grid, bodies, orbit, cut], i) =>
         ++seen;
         if (off(wanted, found.data[(y + row) * found.width + x + column]) <= 12) ++same;
       }
-    assert.ok(seen > 20_000, `${seen} pixels show something`);
+    assert.ok(seen > 10_000, `${seen} pixels show something`);
     // Lines, knobs and the mean of colours with the ground at the edge of bodies are what differs.
     assert.ok(same > 0.93 * seen, `${((100 * same) / seen).toFixed(1)} % of ${seen} pixels are the same`);
     await close(page);
@@ -172,7 +172,7 @@ test("what could not be fetched comes when the server is back", async () => {
 });
 
 test("orbits end with as much memory as they began with", async () => {
-  const page = await open("stadium");
+  const page = await open("stadium", "", { width: 700, height: 500 });
   const { x, y, width, height } = await canvas_box(page);
   const heap = async () => {
     const session = await page.context().newCDPSession(page);
@@ -190,8 +190,8 @@ test("orbits end with as much memory as they began with", async () => {
   };
   await fly();
   const before = await heap();
-  for (let i = 0; i < 10; ++i) await fly();
+  for (let i = 0; i < 6; ++i) await fly();
   const after = await heap();
-  assert.ok(after < before + 12e6, `${(before / 1e6).toFixed(1)} MB before, ${(after / 1e6).toFixed(1)} MB after`);
+  assert.ok(after < before + 8e6, `${(before / 1e6).toFixed(1)} MB before, ${(after / 1e6).toFixed(1)} MB after`);
   await close(page);
 });
