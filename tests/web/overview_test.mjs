@@ -192,6 +192,6 @@ test("orbits end with as much memory as they began with", async () => {
   const before = await heap();
   for (let i = 0; i < 6; ++i) await fly();
   const after = await heap();
-  assert.ok(after < before + 8e6, `${(before / 1e6).toFixed(1)} MB before, ${(after / 1e6).toFixed(1)} MB after`);
+  assert.ok(after < before + 7e6, `${(before / 1e6).toFixed(1)} MB before, ${(after / 1e6).toFixed(1)} MB after`);
   await close(page);
 });

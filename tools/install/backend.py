@@ -1,6 +1,6 @@
 """What pip calls, by pyproject.toml: CMake builds and installs, and this packs what it has installed as a wheel.
 
-It needs no package of Python, so pip works without a network. CMAKE_ARGS has further options for CMake, and
+It needs no package of Python, so pip works without a network. CMAKE_ARGS has further options for CMake, TERACELL_PRESET names another preset, and
 --config-settings=build-dir=FOLDER names a build folder: what was compiled there is not compiled again.
 """
 import base64
@@ -53,7 +53,7 @@ def install(build, folder):
         "CMAKE_INSTALL_BINDIR": f"{NAME}.data/scripts", "CMAKE_INSTALL_DATAROOTDIR": f"{NAME}.data/data/share",
         "CMAKE_INSTALL_DOCDIR": f"{NAME}.dist-info/licenses"}
     pathlib.Path(build, "CMakeCache.txt").unlink(missing_ok=True)  # options of other builds; objects stay
-    subprocess.run(["cmake", "--preset", "release", "-B", build, *(f"-D{name}={value}" for name, value in options.items()),
+    subprocess.run(["cmake", "--preset", os.environ.get("TERACELL_PRESET", "release"), "-B", build, *(f"-D{name}={value}" for name, value in options.items()),
                     *shlex.split(os.environ.get("CMAKE_ARGS", ""))], check=True)
     subprocess.run(["cmake", "--build", build, "--target", "teracell", "manual", "teracell_python"], check=True)
     for component in "program", "library", "python":
@@ -68,8 +68,9 @@ def tag_of(folder):
     system, machine = sysconfig.get_platform().split("-", 1)
     programs = [path for path in folder.rglob("*") if path.is_file() and path.read_bytes().startswith(b"\x7fELF")]
     needs = subprocess.run(["objdump", "-p", *programs], check=True, capture_output=True, text=True).stdout
-    versions = [int(minor) for minor in re.findall(r"GLIBC_2[.]([0-9]+)", needs)]
-    if versions and set(re.findall(r"NEEDED +(\S+)", needs)) <= GLIBC | {path.name for path in programs}:
+    names = set(re.findall(r"\bGLIBC_(\S+)", needs))  # beside versions there are GLIBC_PRIVATE, for glibc alone, and GLIBC_ABI_DT_RELR
+    versions = [int(name.split(".")[1]) for name in names if re.fullmatch(r"2[.][0-9.]+", name)]
+    if 0 < len(names) == len(versions) and set(re.findall(r"NEEDED +(\S+)", needs)) <= GLIBC | {path.name for path in programs}:
         system = f"manylinux_2_{max(versions)}"
     return f"{python}-{python}-{system}_{machine}"
 

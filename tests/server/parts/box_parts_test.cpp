@@ -22,7 +22,7 @@ std::string whole_file(Parts& parts) {
   return all;
 }
 
-TEST_CASE("The parts of a box are a header, the cells in the order z, y, x, and an end", "[server][long]") {
+TEST_CASE("The parts of a box are a header, the cells in the order z, y, x, and an end", "[server]") {
   std::mt19937_64 random(8);
   // Several layers are read at once, rows of a layer, or parts of a row.
   for (const Index3& n : {Index3{70, 50, 40}, Index3{1500, 900, 2}, Index3{1'100'000, 2, 1}}) {

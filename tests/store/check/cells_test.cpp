@@ -90,7 +90,7 @@ Cells random_scene(std::mt19937_64& random, const Index3& n, uint32_t labels) {
   return out;
 }
 
-TEST_CASE("walls, components and cells at the sides are those of a search, whatever axis, chunks, cache and threads", "[check][threads][long]") {
+TEST_CASE("walls, components and cells at the sides are those of a search, whatever axis, chunks, cache and threads", "[check][threads]") {
   std::mt19937_64 random(1501);
   const TempFolder folder;
   size_t thin = 0, narrow = 0, islands = 0, enclosed = 0;

@@ -8,7 +8,7 @@ namespace {
 
 using namespace testing;
 
-TEST_CASE("Slices of random cells in many small chunks are the cells, for any part, order, threads and memory", "[long]") {
+TEST_CASE("Slices of random cells in many small chunks are the cells, for any part, order, threads and memory") {
   for_random_cells([](Checked&& checked) { checked.slices(); });
 }
 

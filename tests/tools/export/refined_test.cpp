@@ -238,7 +238,7 @@ void check_common_faces(const Metadata& meta, const std::filesystem::path& folde
   }
 }
 
-TEST_CASE("A mesh of leaves has the cells, faces, points, levels and patches of the definition, as a whole and in parts", "[long]") {
+TEST_CASE("A mesh of leaves has the cells, faces, points, levels and patches of the definition, as a whole and in parts") {
   int checked = 0;
   for (int seed = 0; seed < 24; ++seed) {
     std::mt19937_64 random(static_cast<uint64_t>(seed));
