@@ -11,6 +11,7 @@
   answer(kCellAnswer) \
   answer(kColumnAnswer) \
   answer(kLineAnswer) \
+  answer(kNearestAnswer) \
   answer(kThicknessAnswer) \
   answer(kBoxAnswer) \
   answer(kFileAnswer) \

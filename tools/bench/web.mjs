@@ -150,7 +150,7 @@ try {
     await page.waitForLoadState("networkidle");
     const sum = (test) => [...files.values()].filter(({ path }) => test(path)).reduce((n, { bytes }) => n + bytes, 0);
     const own = (path) => path.endsWith("/") || path.includes("/assets/") || path.endsWith(".svg");
-    const three = (path) => own(path) && /overview/.test(path);
+    const three = (path) => own(path) && /overview|viewpoint/.test(path);
     row("first load, compressed, without the 3D part", `${(sum((p) => own(p) && !three(p)) / 1000).toFixed(0)} kB; 3D, later: ${(sum(three) / 1000).toFixed(0)} kB`, "<= 300 kB");
     row("  until everything is sharp, loopback", `${seconds.toFixed(2)} s`);
     await context.close();

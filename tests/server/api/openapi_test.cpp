@@ -76,10 +76,10 @@ TEST_CASE("Every address of the description answers as the description says", "[
   const json api = s.parsed("/openapi.json");
   CHECK(api["openapi"] == "3.1.0");
   const std::map<std::string, std::string> values = {
-      {"id", "g"},       {"axis", "z"},       {"index", "4"},   {"level", "1"},    {"col", "0"},      {"row", "0"},
-      {"a", "3"},        {"b", "4"},          {"i", "1"},       {"j", "2"},        {"k", "3"},        {"pixel", "8,8"},
-      {"with", "g"},     {"from", "0,3,1"},   {"to", "9,40,9"}, {"size", "64,48"}, {"refine", "3,1"}, {"plane", "30,20,4,20,5"},
-      {"cell", "3,4,5"}, {"at", "0.75,3.1,6"}};
+      {"id", "g"},       {"axis", "z"},        {"index", "4"},   {"level", "1"},    {"col", "0"},      {"row", "0"},
+      {"a", "3"},        {"b", "4"},           {"i", "1"},       {"j", "2"},        {"k", "3"},        {"pixel", "8,8"},
+      {"with", "g"},     {"from", "0,3,1"},    {"to", "9,40,9"}, {"size", "64,48"}, {"refine", "3,1"}, {"plane", "30,20,4,20,5"},
+      {"cell", "3,4,5"}, {"at", "0.75,3.1,6"}, {"labels", "0,2"}};
   size_t seen = 0;
   for (const auto& [path, operations] : api["paths"].items()) {
     const json& responses = operations["get"]["responses"];

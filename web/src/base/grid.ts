@@ -200,6 +200,10 @@ export interface LineAnswer {
   length: number;
   runs: { from: number; to: number; length: number; cells: number; material: number; name: string }[];
 }
+// Null: no cell has one of the labels.
+export interface NearestAnswer {
+  cell: Index3 | null;
+}
 // How thick a material is along the normal of its surface; null: the material goes on around the point.
 export interface ThicknessAnswer {
   thickness: { material: number; name: string; length: number; cells: number; normal: [number, number, number]; from: [number, number, number]; to: [number, number, number] } | null;
@@ -248,6 +252,10 @@ export class GridAddress {
   // The materials along a straight line between two points.
   line(from: readonly number[], to: readonly number[]): string {
     return `${this.base}/line?from=${from.join(",")}&to=${to.join(",")}&v=${this.hash}`;
+  }
+  // A cell near a cell that has one of some labels.
+  nearest(labels: readonly number[], cell: Index3): string {
+    return `${this.base}/nearest?labels=${labels.join(",")}&cell=${cell.join(",")}&v=${this.hash}`;
   }
   // How thick the material of a cell is at a point of its surface.
   thickness(cell: Index3, at: readonly number[]): string {

@@ -52,7 +52,7 @@ export async function show_what_there_is(viewer: Viewer, signal: AbortSignal): P
     const found = what_there_is(viewer, await load_amounts(viewer, signal));
     if (!found || !may_move()) return;
     const middle = middle_cell(found.box);
-    const cell = (await nearest_cell(viewer, found.labels, found.box, middle, signal)) ?? middle;
+    const cell = (await nearest_cell(viewer, found.labels, middle, signal).catch(() => null)) ?? middle;
     await sized(viewer);
     if (!may_move()) return;
     batch(() => {

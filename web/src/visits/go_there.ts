@@ -16,10 +16,10 @@ const CELLS_AROUND = 8;
 export const middle_cell = (box: Box): Index3 => for_axes((d) => (box[d] + box[d + 3]! - 1) >> 1);
 
 // Puts the crosshair into a cell of the labels near the middle of their box. Until that is known, and where it stays unknown, it is in `meanwhile`.
-async function enter(viewer: Viewer, labels: readonly number[], box: Box, meanwhile = middle_cell(box)): Promise<void> {
+async function enter(viewer: Viewer, labels: readonly number[], to: Index3, meanwhile = to): Promise<void> {
   viewer.set_cell(meanwhile);
   const here = viewer.cell.peek();
-  const cell = await nearest_cell(viewer, labels, box, middle_cell(box));
+  const cell = await nearest_cell(viewer, labels, to);
   if (cell && viewer.cell.peek() === here) viewer.set_cell(cell); // unless somebody has moved on
 }
 
@@ -34,7 +34,7 @@ export async function go_to_labels(viewer: Viewer, named: readonly number[]): Pr
       // The background is around everything: it can't be shown alone.
       viewer.isolated.value = labels.some((label) => viewer.labels[label]!.material === 0) ? null : { labels, box: null };
       viewer.frame(with_room(viewer.axes, box, ROOM));
-      return enter(viewer, labels.flatMap((label) => (viewer.labels[label + 1]?.overlap ? [label, label + 1] : [label])), box);
+      return enter(viewer, labels.flatMap((label) => (viewer.labels[label + 1]?.overlap ? [label, label + 1] : [label])), middle_cell(box));
     });
   } catch (error) {
     say(`The place can't be looked for: ${words_of(error)}.`);
@@ -52,7 +52,7 @@ export function go_to_finding(viewer: Viewer, { at, box, bodies, kind }: Pick<Fi
   batch(() => {
     viewer.isolated.value = { labels, box: place };
     viewer.set_cell(cell);
-    if (of_overlap.length > 0) enter(viewer, of_overlap, place, cell).catch(() => {}); // it stays there
+    if (of_overlap.length > 0) enter(viewer, of_overlap, middle_cell(place), cell).catch(() => {}); // it stays there
     viewer.frame(with_room(viewer.axes, place, ROOM_OF_FINDING, CELLS_AROUND));
   });
 }
