@@ -42,7 +42,7 @@ export function Profiles({ viewer, cell, profiles }: { viewer: Viewer; cell: Ind
         <span>
           Columns<span class="profile-of"> through the {viewer.pinned.value ? "pinned cell" : "crosshair"}</span>
         </span>
-        <span class="profile-text" aria-live="off">
+        <span class="profile-text" aria-live="off" title={run ? undefined : (profiles.error ?? undefined)}>
           {run ? run_text(run, viewer.axes[pointed.axis], viewer.units) : profiles.error}
         </span>
         <span class="dock-actions">

@@ -188,7 +188,7 @@ export function ObliquePanel({ stage, viewer, axis }: { stage: Stage; viewer: Vi
           </span>
           {damaged && (
             <span class="view-damaged" role="status" title="This part of the file can't be read. “teracell verify” says what is damaged.">
-              striped: unreadable
+              <span class="view-stripes">striped: </span>unreadable
             </span>
           )}
           <span class={waiting ? "view-waiting" : "view-waiting view-still"} role="status" aria-label={waiting ? "Loading" : undefined} />

@@ -3,6 +3,7 @@
 import { useLayoutEffect, useMemo, useRef } from "preact/hooks";
 import type { AxisIndex } from "../base/grid";
 import { unfinished } from "../state/measures";
+import { by_touch } from "../state/phone";
 import type { Viewer } from "../state/viewer";
 import { IsolatedNote } from "./isolated_note";
 import { attach_keys } from "./keys";
@@ -19,7 +20,7 @@ function measuring_words(viewer: Viewer): string {
   const { layout } = viewer;
   if (unfinished(viewer)?.axis === null) return "Click a surface at the other end";
   if (layout.value === "3d") return "Click a surface at each end, or shift and click for the thickness";
-  return layout.value === "four" ? "Drag a line in a slice, or click both ends in 3D" : "Drag from end to end (with alt it doesn't snap)";
+  return layout.value === "four" ? "Drag a line in a slice, or click both ends in 3D" : `Drag from end to end${by_touch ? "" : " (with alt it doesn't snap)"}`;
 }
 
 // Says what the mouse does now. The shape of the pointer would not be enough, and there is none on touch screens.
@@ -27,7 +28,7 @@ export function ToolNote({ viewer }: { viewer: Viewer }) {
   const tool = viewer.tool.value;
   return (
     <p class="tool-note" role="status" hidden={tool === "look"}>
-      {tool === "measure" ? measuring_words(viewer) : "Drag a box in a slice"}. Escape stops.
+      {tool === "measure" ? measuring_words(viewer) : "Drag a box in a slice"}.{!by_touch && " Escape stops."}
     </p>
   );
 }
