@@ -215,7 +215,7 @@ test("the keys", async () => {
   await page.keyboard.press("1");
   await settled(page);
   assert.equal(await page.evaluate(() => teracell.viewer.level[2].value), 0);
-  await across_z.getByRole("button", { name: "The whole grid" }).click();
+  await across_z.getByRole("button", { name: "Zoom to fit" }).click();
   await settled(page);
   assert.ok(Math.abs((await state(page, "zoom")) / zoom - 1) < 1e-9);
   await page.keyboard.press("h");

@@ -171,7 +171,7 @@ export function ObliquePanel({ stage, viewer, axis }: { stage: Stage; viewer: Vi
           {name}
         </span>
         <input type="range" aria-label={title} title={title} min={-most} max={most} step={0.5} value={degrees} aria-valuetext={`${degrees}°`} onInput={(e) => turn(name, e.currentTarget.valueAsNumber)} />
-        <NumberBox label={`${title}, in degrees`} text={String(degrees)} width={6} suffix="°" take={(to) => turn(name, to)} />
+        <NumberBox label={`${title}, in degrees`} text={String(degrees)} width={5} suffix="°" take={(to) => turn(name, to)} />
       </>
     );
   };
@@ -184,11 +184,12 @@ export function ObliquePanel({ stage, viewer, axis }: { stage: Stage; viewer: Vi
             ∠
           </span>
           <span class="view-place">
-            through {place} {viewer.units}
+            <span class="view-wide">through </span>
+            {place} {viewer.units}
           </span>
           {damaged && (
             <span class="view-damaged" role="status" title="This part of the file can't be read. “teracell verify” says what is damaged.">
-              <span class="view-stripes">striped: </span>unreadable
+              <span class="view-wide">striped: </span>unreadable
             </span>
           )}
           <span class={waiting ? "view-waiting" : "view-waiting view-still"} role="status" aria-label={waiting ? "Loading" : undefined} />

@@ -52,7 +52,7 @@ function Title({ stage, viewer, axis }: { stage: Stage; viewer: Viewer; axis: Ax
       )}
       {stage.damaged[axis].value && (
         <span class="view-damaged" role="status" title="This part of the file can't be read. “teracell verify” says what is damaged.">
-          <span class="view-stripes">striped: </span>unreadable
+          <span class="view-wide">striped: </span>unreadable
         </span>
       )}
       {stage.together[axis].value && viewer.body_looks.value.size > 0 && (

@@ -17,7 +17,7 @@ export function ZoomButtons({ viewer, zoom }: { viewer: Viewer; zoom: (factor: n
       {button("plus", "Zoom in", `Zoom in (+, or ctrl and the wheel). ${WHEEL}`, () => zoom(ZOOM_STEP))}
       {button("minus", "Zoom out", `Zoom out (−, or ctrl and the wheel). ${WHEEL}`, () => zoom(1 / ZOOM_STEP))}
       {button("cells", "Single cells", "Single cells around the crosshair (1)", () => show_cells(viewer))}
-      {button("whole", "The whole grid", "The whole grid (Home)", () => fit(viewer))}
+      {button("whole", "Zoom to fit", "Zoom to fit: the whole grid (Home)", () => fit(viewer))}
     </div>
   );
 }
