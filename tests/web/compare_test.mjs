@@ -73,11 +73,11 @@ test("one camera: a drag and a zoom on either side move both, and the same place
   await page.mouse.up();
   assert.deepEqual((await state(page, "centre")).slice(0, 2).map(Math.round), [40, 35]);
   assert.deepEqual(await other(page, "centre"), await state(page, "centre"));
-  await page.keyboard.press("+");
-  assert.equal(await state(page, "zoom"), 7.5);
-  assert.equal(await other(page, "zoom"), 7.5);
+  await page.keyboard.press("-");
+  assert.equal(await state(page, "zoom"), 3);
+  assert.equal(await other(page, "zoom"), 3);
   await settled(page);
-  assert.deepEqual(await names_at(page, "right", (72 - 40) * 7.5, (35 - 20) * 7.5), ["gold"]);
+  assert.deepEqual(await names_at(page, "right", (72 - 40) * 3, (35 - 20) * 3), ["gold"]);
   // The middle goes beyond the grid on the left, as far as the other one reaches.
   for (let i = 0; i < 12; ++i) await page.keyboard.press("ArrowLeft");
   assert.equal((await state(page, "centre"))[0], -10);

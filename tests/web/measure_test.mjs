@@ -111,7 +111,7 @@ test("lines between surfaces are measured in 3D by clicks, and thickness along t
     return runs.some(({ min, max }) => Math.min(Math.abs(min - p[d]), Math.abs(max - p[d])) < 1e-9 * 100);
   });
   await page.keyboard.press("m");
-  await page.getByText("Measuring: click a surface at each end of a line").waitFor();
+  await page.getByText("Click a surface at each end, or").waitFor();
   await click_in_space(page, [0.45, 0.55]);
   await page.getByText("Click a surface at the other end").waitFor();
   await click_in_space(page, [0.55, 0.5]);

@@ -50,6 +50,7 @@ function App() {
     <>
       <div class="page" key={open ? `${open.info.id} ${open.info.file.hash}` : "none"}>
         <Header viewer={open} />
+        <Banners />
         {open?.compare.value ? (
           <ComparisonPage viewer={open} grids={grids.value} />
         ) : open ? (
@@ -64,7 +65,6 @@ function App() {
           <StartPage grids={grids.value} unreadable={unreadable.value} waiting={opening.value} trouble={trouble.value} />
         )}
       </div>
-      <Banners />
       {open && <Help viewer={open} />}
       {open && <Tour viewer={open} />}
       {open && <FigureDialog viewer={open} />}

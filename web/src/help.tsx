@@ -1,15 +1,17 @@
 // The dialog that lists gestures and keys, as the views declare them.
 import { notice_address } from "./module/beside";
 import { is_alone } from "./server/transport";
+import { by_touch } from "./state/phone";
 import type { Viewer } from "./state/viewer";
 import { TourOffer } from "./tour";
 import { type Binding, comparison_bindings, overview_bindings, slice_bindings } from "./views/bindings";
 import { Dialog, DialogHead } from "./widgets/dialog";
 
 function Bindings({ list }: { list: readonly Binding[] }) {
+  const shown = by_touch ? list.flatMap(({ touch, does }) => (touch ? [{ keys: touch, does }] : [])) : list;
   return (
     <dl class="bindings">
-      {list.map(({ keys, does }) => (
+      {shown.map(({ keys, does }) => (
         <div key={keys}>
           <dt>{keys}</dt>
           <dd>{does}</dd>
@@ -26,7 +28,7 @@ export function Help({ viewer }: { viewer: Viewer }) {
       <div class="dialog-body">
         <DialogHead shown={help} heading="help-title" text="Gestures and keys" />
         {!viewer.compare.value && <TourOffer close={() => (help.value = false)} />}
-        <p class="note">Keys act on the view under the pointer, or on what the tab key has led to.</p>
+        {!by_touch && <p class="note">Keys act on the view under the pointer, or on what the tab key has led to.</p>}
         <h3>In a slice</h3>
         <Bindings list={slice_bindings} />
         <h3>In three dimensions</h3>

@@ -34,7 +34,7 @@ test("closed bodies with cells are nothing to worry about", () => {
 test("a wide hole is a reason to look", () => {
   const care = care_of(info([body("hull", { holes: [hole(0.3, 2.5), hole(4, 33.21), hole(1, 8)] }), body("deck")]));
   assert.deepEqual(care, {
-    level: "bad", text: "Look here: “hull” is open. The widest hole is 4.000 mm wide, 33.2 cells. Caps close all of them, and a cap is a guess.",
+    level: "look", text: "Look here: “hull” is open. The widest hole is 4.000 mm wide, 33.2 cells. Caps close all of them, and a cap is a guess.",
   });
 });
 

@@ -39,8 +39,10 @@ export function Profiles({ viewer, cell, profiles }: { viewer: Viewer; cell: Ind
   return (
     <section class="dock-part profiles" aria-label="Columns through the cell">
       <h2>
-        <span>{viewer.pinned.value ? "Columns through the pinned cell" : "Columns through the crosshair"}</span>
-        <span class="profile-text" aria-live="off">
+        <span>
+          Columns<span class="profile-of"> through the {viewer.pinned.value ? "pinned cell" : "crosshair"}</span>
+        </span>
+        <span class="profile-text" aria-live="off" title={run ? undefined : (profiles.error ?? undefined)}>
           {run ? run_text(run, viewer.axes[pointed.axis], viewer.units) : profiles.error}
         </span>
         <span class="dock-actions">

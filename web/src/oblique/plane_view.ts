@@ -133,6 +133,10 @@ export class PlaneView {
     this.viewer.zoom.value = factor / pixel;
   }
 
+  zoom_in_middle(factor: number): void {
+    this.zoom_by(factor, this.width / 2, this.height / 2);
+  }
+
   private moved(): void {
     this.at_rest = false;
     clearTimeout(this.timer);

@@ -1,7 +1,7 @@
 // Measuring on surfaces: one click for each end of a line, while drags turn the view as always; with shift, a click measures how thick the
 // material is there, along the surface's normal.
 import { batch } from "@preact/signals";
-import { say, words_of } from "../base/messages";
+import { drop, say, words_of } from "../base/messages";
 import { length_of, next_id, put_measure, unfinished } from "../state/measures";
 import type { Viewer } from "../state/viewer";
 import { type Seen, fetch_thickness } from "./sight/query";
@@ -9,6 +9,7 @@ import { type Seen, fetch_thickness } from "./sight/query";
 type Point = [number, number, number];
 
 const NOTHING = "Nothing is seen there to measure from: click a body.";
+const NO_SURFACE = "This is where the view cuts the material, not its surface: there is no normal to measure along.";
 
 // `changed`: is called for each line that is drawn here.
 export function make_measuring(viewer: Viewer, signal: AbortSignal, changed: () => void) {
@@ -17,6 +18,7 @@ export function make_measuring(viewer: Viewer, signal: AbortSignal, changed: () 
     return line?.axis === null ? line : null;
   };
   const put = (from: Point, to: Point, name = "") => {
+    [NOTHING, NO_SURFACE].forEach(drop); // what went wrong before
     put_measure(viewer, { id: begun()?.id ?? next_id(viewer.measures.value), name, axis: null, from, to });
     changed();
   };
@@ -49,7 +51,7 @@ export function make_measuring(viewer: Viewer, signal: AbortSignal, changed: () 
       if (!seen) return say(NOTHING);
       try {
         const thickness = await fetch_thickness(seen, signal);
-        if (!thickness) return say("This is where the view cuts the material, not its surface: there is no normal to measure along.");
+        if (!thickness) return say(NO_SURFACE);
         batch(() => {
           viewer.thickness.value = null;
           put(thickness.from, thickness.to, `Thickness of ${thickness.name}`);

@@ -28,7 +28,7 @@ export function seams_text(body: BodyReport, units: string): string {
   return `${plural(seams.number, "seam")}, ${length} ${units} in all, stitched over gaps of up to ${gap} ${units}`;
 }
 
-// Whether anything needs attention: a sentence about the worst that was found.
+// Whether anything needs attention: a sentence about the worst that was found, which is as bad as `teracell check` says.
 export function care_of(info: GridInfo): Care {
   const { bodies } = info.report;
   const empty = bodies.filter((b) => b.cells === 0);
@@ -45,7 +45,7 @@ export function care_of(info: GridInfo): Care {
   if (large.length) {
     const hole = hole_text(widest(large)!, unit_name(info.units));
     const worst = large.length === 1 ? `It has a hole ${hole}. A cap closes it` : `The widest hole is ${hole}. Caps close all of them`;
-    return { level: "bad", text: `Look here: ${quoted(open)} ${noun(open.length, "is", "are")} open. ${worst}, and a cap is a guess.` };
+    return { level: "look", text: `Look here: ${quoted(open)} ${noun(open.length, "is", "are")} open. ${worst}, and a cap is a guess.` };
   }
   const have = (list: readonly BodyReport[]) => `${quoted(list)} ${noun(list.length, "has", "have")}`;
   if (holes.length) {

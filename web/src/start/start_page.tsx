@@ -5,6 +5,7 @@ import type { GridSummary, UnreadableFile } from "../base/grid";
 import { contains } from "../base/names";
 import { can_read_files, open_files } from "../module/own_grids";
 import { is_alone } from "../server/transport";
+import { by_touch } from "../state/phone";
 import { Icon } from "../widgets/icons";
 import { Select } from "../widgets/select";
 import { Card } from "./card";
@@ -100,7 +101,7 @@ function Choice({ text, order, search, open, sort }: ChoiceProps) {
         ref={field}
         class="text-input"
         type="search"
-        placeholder="Search by name ( / )"
+        placeholder={by_touch ? "Search by name" : "Search by name ( / )"}
         aria-label="Search grids by name"
         value={text}
         onInput={(e) => search(e.currentTarget.value)}

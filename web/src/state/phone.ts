@@ -6,6 +6,9 @@ const narrow = matchMedia("(max-width: 600px)");
 export const on_phone = signal(narrow.matches);
 narrow.addEventListener("change", () => (on_phone.value = narrow.matches));
 
+// Whether there is neither a mouse nor a trackpad.
+export const by_touch = matchMedia("(hover: none)").matches;
+
 // Returns a function that ends it. Whatever asks for all four views, such as a link, gets one of them.
 export function keep_to_one_view(viewer: Viewer): () => void {
   if (on_phone.value && viewer.panel.value === "materials") viewer.panel.value = null; // the panel that nobody asked for

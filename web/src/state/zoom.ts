@@ -4,6 +4,8 @@ import type { AxisIndex } from "../base/grid";
 
 const MARGIN = 44; // CSS pixels around a grid that fits, for the title and the rulers
 const LARGEST_CELL = 160; // CSS pixels
+export const PLAIN_CELL = 24; // CSS pixels from which on single cells are seen as such, with lines between them
+export const ZOOM_STEP = 2; // of a key or a button: one level of the pyramid
 
 export interface ViewSize {
   readonly axis: AxisIndex;

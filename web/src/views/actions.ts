@@ -7,6 +7,7 @@ import { get_json } from "../server/api";
 import { SLICE_NORMALS, angles_of, normal_of, turned } from "../oblique/frame";
 import { next_id, put_measure, remove_measure, unfinished } from "../state/measures";
 import type { ViewName, Viewer } from "../state/viewer";
+import { PLAIN_CELL } from "../state/zoom";
 
 // Shows one view alone, or all four again.
 export function toggle_layout(viewer: Viewer, view: ViewName): void {
@@ -34,6 +35,16 @@ export function fit(viewer: Viewer): void {
   batch(() => {
     viewer.centre.value = viewer.middle();
     viewer.zoom.value = 0;
+  });
+}
+
+// Shows single cells: those around the crosshair.
+export function show_cells(viewer: Viewer): void {
+  const { cell, zoom } = viewer;
+  const smallest = Math.min(...viewer.axes.map((axis, d) => axis.width(cell.value[d]!)));
+  batch(() => {
+    viewer.go_to_cell(cell.value);
+    zoom.value = Math.max(zoom.value, PLAIN_CELL / smallest);
   });
 }
 

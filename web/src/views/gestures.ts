@@ -1,6 +1,8 @@
 // Wheel, mouse, pen and fingers on one view. bindings.ts lists what they do.
 import { batch } from "@preact/signals";
 import { AXIS_NAMES, type AxisIndex, type Index3 } from "../base/grid";
+import { say } from "../base/messages";
+import { if_allowed } from "../base/storage";
 import { measure_thickness, toggle_layout } from "./actions";
 import { cursor_of } from "./drawing/box_handles";
 import type { Stage } from "./stage";
@@ -12,6 +14,16 @@ const WHEEL = 120; // pixels per notch, when several come in one event
 const SWIPE = 24; // pixels of a trackpad per slice
 const STILL = 4; // CSS pixels that the pointer may move during a click
 const LONG = 500; // milliseconds of a long press
+
+// Once in a browser, as it zooms elsewhere.
+function say_what_the_wheel_does(): void {
+  const KEY = "teracell-wheel";
+  if_allowed(() => {
+    if (localStorage.getItem(KEY)) return;
+    localStorage.setItem(KEY, "told");
+    say("The wheel goes through the slices; with ctrl it zooms.");
+  });
+}
 
 interface Spot {
   readonly x: number; // CSS pixels of the view
@@ -72,6 +84,7 @@ export class Gestures {
     }
     const steps = this.steps_of(event);
     if (steps === 0) return;
+    say_what_the_wheel_does();
     const { viewer } = this.stage;
     viewer.sweeping.value = null;
     const slice = viewer.cell.value[this.axis];

@@ -1,12 +1,12 @@
 // The keys of the views, which bindings.ts lists. They act on the view under the pointer, or on the one that the keyboard has gone to since
 // (pointing.ts).
 import type { Signal } from "@preact/signals";
-import { choose_tool, escape, fit, mark_measure, measure_thickness, remove_chosen, step_crosshair, toggle_layout, toggle_oblique, toggle_sweep } from "./actions";
+import { ZOOM_STEP } from "../state/zoom";
+import { choose_tool, escape, fit, mark_measure, measure_thickness, remove_chosen, show_cells, step_crosshair, toggle_layout, toggle_oblique, toggle_sweep } from "./actions";
 import { watch_pointing } from "./pointing";
 import type { Stage } from "./stage";
 
 const PAN = 64; // CSS pixels
-const ZOOM = 1.25;
 
 const flip = (switched: Signal<boolean>) => (switched.value = !switched.value);
 
@@ -77,10 +77,6 @@ function actions_of(stage: Stage): Record<string, () => void> {
     viewer.sweeping.value = null;
     viewer.set_slice(stage.active, viewer.cell.value[stage.active] + by);
   };
-  const zoom = (factor: number) => {
-    const view = stage.views[stage.active];
-    stage.zoom_by(stage.active, factor, view.width / 2, view.height / 2);
-  };
   return {
     ",": () => step(-1),
     ".": () => step(1),
@@ -98,10 +94,11 @@ function actions_of(stage: Stage): Record<string, () => void> {
     "Shift+ArrowUp": () => crosshair(0, 1),
     "Shift+ArrowDown": () => crosshair(0, -1),
     Enter: () => mark_measure(viewer, stage.active),
-    "+": () => zoom(ZOOM),
-    "=": () => zoom(ZOOM),
-    "-": () => zoom(1 / ZOOM),
+    "+": () => stage.zoom_in_middle(stage.active, ZOOM_STEP),
+    "=": () => stage.zoom_in_middle(stage.active, ZOOM_STEP),
+    "-": () => stage.zoom_in_middle(stage.active, 1 / ZOOM_STEP),
     "0": () => fit(viewer),
+    "1": () => show_cells(viewer),
     Home: () => fit(viewer),
     a: () => flip(viewer.show_axes),
     b: () => flip(viewer.show_scale),

@@ -7,17 +7,18 @@ import { say } from "../base/messages";
 import { type Angles, type Vec3, angles_of, normal_of, normal_through, steepest, turned } from "../oblique/frame";
 import { type PlaneState, PlaneView, frame_in } from "../oblique/plane_view";
 import type { Viewer } from "../state/viewer";
+import { ZOOM_STEP } from "../state/zoom";
 import { toggle_layout } from "./actions";
 import { MaximiseButton } from "./maximise_button";
 import { NumberBox } from "./slice_bar";
 import type { Stage } from "./stage";
+import { ZoomButtons } from "./zoom_buttons";
 
 const TURN = 0.4; // degrees per pixel
 const STILL = 4; // CSS pixels that the pointer may move during a click
 const WHEEL = 60; // pixels of scrolling per cell
 const PAN = 64; // CSS pixels per key
 const TURNED = 5; // degrees per key
-const ZOOM = 1.25;
 
 function take_angles(viewer: Viewer, angles: Signal<Angles>, to: Angles): void {
   batch(() => {
@@ -112,8 +113,8 @@ function use_three_points(viewer: Viewer, angles: Signal<Angles>): Signal<Vec3[]
 }
 
 // Arrows move the picture, with shift they turn the plane.
-function keys_of(body: HTMLElement, view: PlaneView, viewer: Viewer, angles: Signal<Angles>): Record<string, () => void> {
-  const zoom = (factor: number) => () => view.zoom_by(factor, body.clientWidth / 2, body.clientHeight / 2);
+function keys_of(view: PlaneView, viewer: Viewer, angles: Signal<Angles>): Record<string, () => void> {
+  const zoom = (factor: number) => () => view.zoom_in_middle(factor);
   const turn = (azimuth: number, elevation: number) => () => take_angles(viewer, angles, turned(angles.value, azimuth, elevation));
   const step = (by: number) => () => step_plane(viewer, by);
   return {
@@ -125,9 +126,9 @@ function keys_of(body: HTMLElement, view: PlaneView, viewer: Viewer, angles: Sig
     "Shift+ArrowRight": turn(TURNED, 0),
     "Shift+ArrowUp": turn(0, TURNED),
     "Shift+ArrowDown": turn(0, -TURNED),
-    "+": zoom(ZOOM),
-    "=": zoom(ZOOM),
-    "-": zoom(1 / ZOOM),
+    "+": zoom(ZOOM_STEP),
+    "=": zoom(ZOOM_STEP),
+    "-": zoom(1 / ZOOM_STEP),
     ",": step(-1),
     ".": step(1),
     "<": step(-10),
@@ -151,7 +152,7 @@ export function ObliquePanel({ stage, viewer, axis }: { stage: Stage; viewer: Vi
     const element = body.current!;
     const made = (view.current = new PlaneView(viewer, element, (now) => (state.value = now)));
     const stop = listen(element, made, viewer, angles);
-    stage.oblique_keys = keys_of(element, made, viewer, angles);
+    stage.oblique_keys = keys_of(made, viewer, angles);
     return () => {
       stage.oblique_keys = null;
       stop();
@@ -170,7 +171,7 @@ export function ObliquePanel({ stage, viewer, axis }: { stage: Stage; viewer: Vi
           {name}
         </span>
         <input type="range" aria-label={title} title={title} min={-most} max={most} step={0.5} value={degrees} aria-valuetext={`${degrees}°`} onInput={(e) => turn(name, e.currentTarget.valueAsNumber)} />
-        <NumberBox label={`${title}, in degrees`} text={String(degrees)} width={6} suffix="°" take={(to) => turn(name, to)} />
+        <NumberBox label={`${title}, in degrees`} text={String(degrees)} width={5} suffix="°" take={(to) => turn(name, to)} />
       </>
     );
   };
@@ -183,17 +184,19 @@ export function ObliquePanel({ stage, viewer, axis }: { stage: Stage; viewer: Vi
             ∠
           </span>
           <span class="view-place">
-            through {place} {viewer.units}
+            <span class="view-wide">through </span>
+            {place} {viewer.units}
           </span>
           {damaged && (
             <span class="view-damaged" role="status" title="This part of the file can't be read. “teracell verify” says what is damaged.">
-              striped: unreadable
+              <span class="view-wide">striped: </span>unreadable
             </span>
           )}
           <span class={waiting ? "view-waiting" : "view-waiting view-still"} role="status" aria-label={waiting ? "Loading" : undefined} />
         </div>
         <MaximiseButton what="The oblique view" alone={viewer.layout.value === AXIS_NAMES[axis]} toggle={() => toggle_layout(viewer, AXIS_NAMES[axis])} />
       </header>
+      <ZoomButtons viewer={viewer} zoom={(factor) => view.current?.zoom_in_middle(factor)} />
       {trouble && (
         <div class="view-note" role="alert">
           <p>The oblique slice can't be shown: {trouble}.</p>

@@ -9,6 +9,7 @@ import type { Pen } from "./drawing/pen";
 const LINES_FROM = 7; // CSS pixels: smaller cells get no lines
 const LINES_FULL = 20; // CSS pixels: lines of cells this large have their full strength
 const BAR = 130; // CSS pixels of the longest scale bar
+const NAMES = 46; // CSS pixels that the names of the axes take
 const RULER_STEP = 90; // CSS pixels: the smallest distance between coordinates on a ruler
 
 // Draws the planes in sight whose cells are large enough. On a graded axis that may be so in one place and not in
@@ -85,7 +86,8 @@ export function draw_rulers(pen: Pen): void {
   marks(camera.across, camera.u_at(0), camera.u_at(camera.width), (u, text) => {
     const x = camera.x_of(u);
     tick(pen.crisp(x) - 0.5, low - 5, 1, 6);
-    if (x > 48 && x < camera.width - 20) pen.label(text, x, low - 8, "center", "bottom");
+    const half = context.measureText(text).width / 2 + 4;
+    if (x - half > NAMES && x + half < camera.width) pen.label(text, x, low - 8, "center", "bottom");
   });
   marks(camera.up, camera.v_at(camera.height), camera.v_at(0), (v, text) => {
     const y = camera.y_of(v);

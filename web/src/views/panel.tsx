@@ -9,6 +9,7 @@ import { MaximiseButton } from "./maximise_button";
 import { ObliquePanel } from "./oblique_panel";
 import { SliceBar } from "./slice_bar";
 import type { Stage } from "./stage";
+import { ZoomButtons } from "./zoom_buttons";
 
 // Handlers for a whole panel, including its bar: keys act on the panel that is in use.
 export function activating(stage: Stage, view: ViewName) {
@@ -51,7 +52,7 @@ function Title({ stage, viewer, axis }: { stage: Stage; viewer: Viewer; axis: Ax
       )}
       {stage.damaged[axis].value && (
         <span class="view-damaged" role="status" title="This part of the file can't be read. “teracell verify” says what is damaged.">
-          striped: unreadable
+          <span class="view-wide">striped: </span>unreadable
         </span>
       )}
       {stage.together[axis].value && viewer.body_looks.value.size > 0 && (
@@ -99,6 +100,7 @@ export function SlicePanel({ stage, viewer, axis, side }: { stage: Stage; viewer
         <Title stage={stage} viewer={viewer} axis={axis} />
         {!side && <MaximiseButton what={`The view across ${name}`} alone={layout === name} toggle={() => toggle_layout(viewer, name)} />}
       </header>
+      {side !== "left" && <ZoomButtons viewer={viewer} zoom={(factor) => stage.zoom_in_middle(axis, factor)} />}
       <SliceBar viewer={viewer} axis={axis} />
       {viewer.oblique.value === axis && <ObliquePanel stage={stage} viewer={viewer} axis={axis} />}
     </section>

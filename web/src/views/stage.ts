@@ -216,6 +216,11 @@ export class Stage {
     this.viewer.zoom.value = zoom;
   }
 
+  zoom_in_middle(axis: AxisIndex, factor: number): void {
+    const { width, height } = this.views[axis];
+    this.zoom_by(axis, factor, width / 2, height / 2);
+  }
+
   pan(axis: AxisIndex, dx: number, dy: number): void {
     if (this.viewer.zoom.value === 0) return;
     const { u, v } = FRAMES[axis];

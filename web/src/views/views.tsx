@@ -3,6 +3,7 @@
 import { useLayoutEffect, useMemo, useRef } from "preact/hooks";
 import type { AxisIndex } from "../base/grid";
 import { unfinished } from "../state/measures";
+import { by_touch } from "../state/phone";
 import type { Viewer } from "../state/viewer";
 import { IsolatedNote } from "./isolated_note";
 import { attach_keys } from "./keys";
@@ -15,14 +16,11 @@ import "./views.css";
 
 const ORDER: readonly AxisIndex[] = [2, 0, 1];
 
-const IN_SLICES = "drag to measure a distance (hold alt to leave boundaries aside), or press Enter at each end";
-const IN_SPACE = "click a surface at each end of a line, or shift and click for the thickness there";
-
 function measuring_words(viewer: Viewer): string {
   const { layout } = viewer;
-  if (unfinished(viewer)?.axis === null) return "Click a surface at the other end; drags turn the view";
-  if (layout.value === "3d") return `Measuring: ${IN_SPACE}`;
-  return layout.value === "four" ? `In slices ${IN_SLICES}; in 3D ${IN_SPACE}` : `Measuring: ${IN_SLICES}`;
+  if (unfinished(viewer)?.axis === null) return "Click a surface at the other end";
+  if (layout.value === "3d") return "Click a surface at each end, or shift and click for the thickness";
+  return layout.value === "four" ? "Drag a line in a slice, or click both ends in 3D" : `Drag from end to end${by_touch ? "" : " (with alt it doesn't snap)"}`;
 }
 
 // Says what the mouse does now. The shape of the pointer would not be enough, and there is none on touch screens.
@@ -30,7 +28,7 @@ export function ToolNote({ viewer }: { viewer: Viewer }) {
   const tool = viewer.tool.value;
   return (
     <p class="tool-note" role="status" hidden={tool === "look"}>
-      {tool === "measure" ? measuring_words(viewer) : "Drag to draw a box in a slice"}; press Escape to stop
+      {tool === "measure" ? measuring_words(viewer) : "Drag a box in a slice"}.{!by_touch && " Escape stops."}
     </p>
   );
 }
