@@ -2,8 +2,8 @@
 import { useEffect, useState } from "preact/hooks";
 import { get_patiently } from "./api";
 
-// `source`: for an <img>; null until it has come.
-const NOTHING: { readonly source: string | null; readonly failed: boolean } = { source: null, failed: false };
+// `source`: for an <img>; null until it has come. `error`: why there is none.
+const NOTHING: { readonly source: string | null; readonly error: unknown } = { source: null, error: null };
 
 // `address`: null while the picture is not wanted.
 export function use_picture(address: string | null): typeof NOTHING {
@@ -15,9 +15,9 @@ export function use_picture(address: string | null): typeof NOTHING {
     get_patiently(address, abort.signal)
       .then((response) => response.blob())
       .then((blob) => {
-        if (!abort.signal.aborted) set_picture({ source: (url = URL.createObjectURL(blob)), failed: false });
+        if (!abort.signal.aborted) set_picture({ source: (url = URL.createObjectURL(blob)), error: null });
       })
-      .catch(() => abort.signal.aborted || set_picture({ source: null, failed: true }));
+      .catch((error: unknown) => abort.signal.aborted || set_picture({ source: null, error }));
     return () => {
       abort.abort();
       URL.revokeObjectURL(url);
