@@ -4,7 +4,7 @@ import { useEffect, useRef, useState } from "preact/hooks";
 import { grouped, plural } from "../base/format";
 import type { GridSummary, UnreadableFile } from "../base/grid";
 import { contains } from "../base/names";
-import { can_read_files, open_files } from "../module/own_grids";
+import { asked_elsewhere, can_read_files, open_files } from "../module/own_grids";
 import { is_alone } from "../server/transport";
 import { Icon } from "../widgets/icons";
 import { Select } from "../widgets/select";
@@ -146,6 +146,11 @@ function List({ grids, broken }: { grids: readonly GridSummary[]; broken: readon
       <div class="start-head">
         <Headline readable={grids.length} broken={broken.length} jump={jump} />
         {many && <Choice text={text} order={order} search={set_text} open={open_only} sort={set_order} />}
+        {asked_elsewhere && (
+          <a class="button" href={location.pathname}>
+            <Icon name="list" /> All grids here
+          </a>
+        )}
         <FileChoice />
       </div>
       <p class="note" role="status">
