@@ -4,7 +4,7 @@ import type { Signal } from "@preact/signals";
 import { useEffect, useRef, useState } from "preact/hooks";
 import { type Axis, FRAMES } from "../base/axis";
 import { AXIS_NAMES, type AxisIndex, type GridSummary } from "../base/grid";
-import { get_patiently } from "../server/api";
+import { picture_at } from "../server/picture";
 import { NoPicture } from "./no_picture";
 
 const PICTURE = 360; // cells: the level is about as fine as the picture on the card
@@ -74,8 +74,7 @@ export function Preview({ grid, axes, axis, damage }: Props) {
   const path = `api/v1/grids/${encodeURIComponent(grid.id)}/slice/${AXIS_NAMES[axis]}/${index}.png?level=${level}&v=${grid.hash}`;
   useEffect(() => {
     const abort = new AbortController();
-    get_patiently(path, abort.signal)
-      .then((r) => r.blob())
+    picture_at(path, abort.signal)
       .then(createImageBitmap)
       .then((picture) => {
         if (abort.signal.aborted) return;
