@@ -267,7 +267,7 @@ test("what can't be read is said in words, and the page lives", async () => {
   await page.screenshot({ path: join(folder, "unreadable.png") });
   for (const text of await page.locator(".card.unreadable p").allInnerTexts()) assert.match(text, /expected|found|teracell/);
   await page.locator("input[type=file]").setInputFiles(join(bad, "damaged.tcell"));
-  await page.getByText("The file is damaged").first().waitFor();
+  await page.getByText("“damaged” is damaged").first().waitFor();
   await page.goto(`${host.url}/#g=stadium`);
   await page.reload();
   await settled(page);

@@ -141,6 +141,8 @@ test("the start page names files that can't be read and says why, even when ther
   while ((await listed()).grids.length === 0); // the server looks twice per second
   await page.reload();
   await page.getByRole("heading", { name: "One grid, 1 file that can't be read" }).waitFor();
+  await page.getByRole("button", { name: "1 file that can't be read" }).click();
+  await page.waitForSelector(".card.unreadable:focus");
   await page.getByRole("link", { name: /whole/ }).click();
   await settled(page);
   // The file of the open grid breaks as well. The banner says why as soon as the page looks again.
@@ -245,6 +247,7 @@ test("when the server goes away, the page says so, keeps what is on screen, and 
   await banner.waitFor();
   const overview = page.getByText("What is seen could not be loaded");
   await overview.waitFor();
+  await page.getByText(/^slice \d+ is shown$/).waitFor();
   await screenshot(page, "server-lost");
   const during = shares((await pixels(page, "z")).data);
   for (const [pixel, share] of before) if (share > 0.02) assert.ok((during.get(pixel) ?? 0) > share / 2, "the picture disappeared");
@@ -333,7 +336,7 @@ test("a damaged file: the parts that can't be read are striped, a message says s
   await page.waitForFunction(() => window.teracell?.viewer.tiles.damaged.value > 0);
   const toast = page.locator(".toast");
   assert.equal(await toast.count(), 1);
-  assert.match(await toast.innerText(), /The file is damaged: .*damaged\.tcell: level 0 chunk/s);
+  assert.match(await toast.innerText(), /“damaged” is damaged: .*damaged\.tcell: level 0 chunk/s);
   await expect_whole(toast);
   await quiet(page);
   await screenshot(page, "damaged");
@@ -364,6 +367,9 @@ test("a damaged file: the parts that can't be read are striped, a message says s
   const picture = await screenshot(page, "damaged-3d");
   const orange = picture.data.filter((pixel) => (pixel & 255) > 120 && ((pixel >> 8) & 255) < 90 && ((pixel >> 16) & 255) < 60).length;
   assert.ok(orange > 2000, `${orange} pixels are of a stripe`);
+  await page.goto(`${damaged.url}?grid=none.tcell`);
+  await page.getByText("There is no grid “none” here.").waitFor();
+  await page.waitForSelector('.card.damaged [title*="chunk"]');
   await close(page);
   const told = await damaged.stop((line) => line.startsWith("teracell: ") || JSON.parse(line).status === 500);
   assert.deepEqual(told, []);

@@ -39,6 +39,8 @@ test("grids are searched by name and put in order; the slash key leads to the se
   await page.getByText("1 found.").waitFor();
   await page.keyboard.press("Enter");
   await page.waitForFunction(() => window.teracell?.viewer.info.id === "part 7");
+  await page.goto(`${crowd.url}?grid=part 8.tcell`);
+  await page.waitForFunction(() => window.teracell?.viewer.info.id === "part 8");
   await close(page);
 });
 

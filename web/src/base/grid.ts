@@ -214,6 +214,14 @@ export interface Column {
   runs: ColumnRun[];
 }
 
+// The grids that an address names: its own, and perhaps that of a comparison.
+export function ids_in(path: string): string[] {
+  const { pathname, searchParams } = new URL(path, "http://page/");
+  const [, id] = /^\/api\/v1\/grids\/([^/]+)/.exec(pathname) ?? [];
+  const other = searchParams.get("with");
+  return [...(id === undefined ? [] : [decodeURIComponent(id)]), ...(other === null ? [] : [other])];
+}
+
 // The addresses of one grid. Each names the version of the file, so browsers may keep the answers for ever.
 export class GridAddress {
   private readonly base: string;

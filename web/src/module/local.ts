@@ -1,8 +1,9 @@
 // Grids without a server: files that a host gives out by ranges, that the user gives to the page, or that are in it. The module answers about
 // them, in two workers: one for what is quick, and one for what may take long, so that slices stay swift while 3D gets sharp. The second one
 // begins when it is needed: until then the machine is for the first picture.
-import type { GridSummary, UnreadableFile } from "../base/grid";
+import { type GridSummary, type UnreadableFile, ids_in } from "../base/grid";
 import { words_of } from "../base/messages";
+import { stem_of } from "../base/names";
 import { type Ask, is_alone, note_read_here } from "../server/transport";
 import { make_worker, module_code } from "./beside";
 import type { Answer } from "./instance";
@@ -12,14 +13,6 @@ import type { FromWorker, ToWorker } from "./worker";
 const SLOW = /^api\/v1\/grids\/[^/]+\/(view\.|stats|diff|line|column|box\.|slice)/;
 const CHECK = /^api\/v1\/grids\/[^/]+\/check$/;
 const FILE = /^api\/v1\/grids\/[^/]+\/file\.tcell$/;
-
-// The grids that an address names: its own, and perhaps that of a comparison.
-function ids_in(path: string): string[] {
-  const { pathname, searchParams } = new URL(path, "http://page/");
-  const [, id] = /^\/api\/v1\/grids\/([^/]+)/.exec(pathname) ?? [];
-  const other = searchParams.get("with");
-  return [...(id === undefined ? [] : [decodeURIComponent(id)]), ...(other === null ? [] : [other])];
-}
 
 interface Waiting {
   resolve(message: FromWorker): void;
@@ -142,7 +135,7 @@ export class LocalGrids {
   }
 
   private async add_now(asked: () => Place, name: string, checked: Checked | null, taken: ReadonlySet<string>): Promise<Added> {
-    const stem = name.replace(/\.tcell$/, "");
+    const stem = stem_of(name);
     let id = stem;
     for (let n = 2; this.names.has(id) || taken.has(id); ++n) id = `${stem}-${n}`;
     this.names.add(id);

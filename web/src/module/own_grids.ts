@@ -2,6 +2,7 @@
 // it by the user. The module that does it is loaded when the first of them is there.
 import { signal } from "@preact/signals";
 import { say } from "../base/messages";
+import { stem_of } from "../base/names";
 import { ask_again } from "../server/connection";
 import { list_grids } from "../server/api";
 import { answer_by, be_alone, is_alone } from "../server/transport";
@@ -16,11 +17,28 @@ export const can_read_files = has_module;
 const last_part = (address: string) => address.split(/[?#]/)[0]!.split("/").pop() || address;
 const addressed = (address: string): ListedGrid => ({ name: last_part(address), address });
 
-// Those of the address bar, or else of the page; null: a server has the grids.
+// Whether the address bar names grids in place of those that the page comes with.
+export let asked_elsewhere = false;
+
+// Those of the address bar, or else of the page; null: a server has the grids. "?grid=bust" of one that is served, or that the page has, is
+// the same as "#g=bust".
 function own_grids(): readonly ListedGrid[] | null {
-  // A page that is one file may fetch nothing.
-  const addresses = whole_page ? new URLSearchParams(location.search).getAll("grid").filter((address) => address !== "") : [];
-  return addresses.length > 0 ? addresses.map(addressed) : listed_grids();
+  const listed = listed_grids();
+  const asked = new URLSearchParams(location.search).getAll("grid").filter((text) => text !== "");
+  // A served grid's address has a slash. In a page that lists grids, a file beside it has none.
+  const is_name = (text: string) => (listed ? listed.some(({ name }) => stem_of(name) === stem_of(text)) : !text.includes("/"));
+  if (asked.every(is_name)) {
+    if (asked.length > 0) open_by_name(stem_of(asked[0]!));
+    return listed;
+  }
+  asked_elsewhere = whole_page !== null; // a page that is one file may fetch nothing
+  return asked_elsewhere ? asked.map(addressed) : listed;
+}
+
+function open_by_name(id: string): void {
+  const state = new URLSearchParams(location.hash.slice(1));
+  state.set("g", id);
+  history.replaceState(null, "", `${location.pathname}#${state}`);
 }
 
 const held = new Map<number, Source>();

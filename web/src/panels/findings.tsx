@@ -34,8 +34,8 @@ export function picture_address(viewer: Viewer, finding: Finding): string {
 }
 
 function Picture({ viewer, finding }: { viewer: Viewer; finding: Finding }) {
-  const { source, failed } = use_picture(picture_address(viewer, finding));
-  if (failed) return <p class="note">There is no picture.</p>;
+  const { source, error } = use_picture(picture_address(viewer, finding));
+  if (error) return <p class="note">There is no picture.</p>;
   return <div class="finding-picture">{source && <img src={source} width={WIDTH} height={HEIGHT} alt={`The place, cut open: ${finding.text}`} />}</div>;
 }
 

@@ -16,7 +16,7 @@ import { Icon } from "../widgets/icons";
 import { use_task } from "../widgets/task";
 import { type Door, NEUROGLANCER, doors, is_loopback, neuroglancer_link, neuroglancer_state } from "./share_links";
 
-const PAGE = 1_300_000; // bytes of a page without a grid, about
+const PAGE = 1_350_000; // bytes of a page without a grid, about
 const about_bytes = (grid: number) => (4 / 3) * grid + PAGE; // base64
 
 const link = (viewer: Viewer) => `${location.href.split("#")[0]}${address_of(viewer)}`;
@@ -81,7 +81,7 @@ function SavePageButton({ info }: { info: GridInfo }) {
       <button class="button" onClick={start} disabled={busy || too_large(info)}>
         <Icon name="save" /> {busy ? "Saving …" : "Save as one file"}
       </button>
-      {!too_large(info) && <span class="note">{bytes_text(about_bytes(info.file.bytes))}</span>}
+      {!too_large(info) && <span class="note">about {bytes_text(about_bytes(info.file.bytes))}</span>}
     </>
   );
 }

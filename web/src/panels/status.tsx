@@ -3,9 +3,11 @@
 import { useEffect, useState } from "preact/hooks";
 import { bytes_text, clock, grouped, milliseconds, percent, plural } from "../base/format";
 import { words_of } from "../base/messages";
+import { quoted } from "../base/shell";
 import { get } from "../server/api";
 import { connection } from "../server/connection";
 import type { Viewer } from "../state/viewer";
+import { CodeLine } from "../widgets/copy";
 import { Fact } from "../widgets/fact";
 import { type Bucket, type Sample, buckets, label_values, parse_metrics, quantile, since, total } from "./prometheus";
 import { Sparkline } from "./sparkline";
@@ -165,10 +167,15 @@ export function StatusPanel({ viewer }: { viewer: Viewer }) {
           {tiles.failed.value > 0 && <Fact name="failed, to be tried again">{grouped(tiles.failed.value)}</Fact>}
           {tiles.damaged.value > 0 && (
             <Fact name="damaged" problem>
-              {plural(tiles.damaged.value, "tile")}: run “teracell verify”
+              {plural(tiles.damaged.value, "tile")}
             </Fact>
           )}
         </dl>
+      </section>
+      <section>
+        <h3>The file</h3>
+        <p class="note">Damage is found in what is read. This command reads every byte, on the machine that has the file:</p>
+        <CodeLine class="code-line" text={`teracell verify ${quoted(`${viewer.info.id}.tcell`)}`} what="the command that reads every byte" />
       </section>
       {error && <p class="problem">The server's figures can't be read: {error}</p>}
       {moments.length > 0 && <Server moments={moments} />}

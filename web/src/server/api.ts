@@ -2,7 +2,7 @@
 import { signal } from "@preact/signals";
 import type { Findings } from "../base/findings";
 import { prose } from "../base/format";
-import type { GridInfo, GridSummary, UnreadableFile } from "../base/grid";
+import { type GridInfo, type GridSummary, type UnreadableFile, ids_in } from "../base/grid";
 import { drop, say } from "../base/messages";
 import { if_allowed } from "../base/storage";
 import { ask_again, doubt, not_reached, reached } from "./connection";
@@ -63,14 +63,25 @@ export const version_gone = signal(0);
 // Whether an error means that. A banner then says so for the whole page (banners.tsx).
 export const is_version_gone = (error: unknown, path: string): boolean => error instanceof ServerError && error.status === 404 && path.includes("v=");
 
+export const is_damage = (error: unknown): boolean => error instanceof ServerError && error.code === "damaged";
+
 // A proxy answers so in place of a server that is gone. A banner says that.
 const is_proxys = (status: number) => status === 502 || status === 504;
 
-const DAMAGED = "The file is damaged: parts of it can't be read";
+const said_damaged = new Set<string>(); // each once
+function say_damaged(path: string, message: string): void {
+  const ids = ids_in(path);
+  const id = ids.find((one) => message.startsWith(`${one}.`)) ?? ids[0]!; // of two that are compared, the message names the file
+  const text = `“${id}” is damaged: parts of it can't be read`;
+  if (said_damaged.has(text)) return;
+  said_damaged.add(text);
+  say(text, { detail: message });
+}
 const no_answer = () => (is_alone() ? "The page could not answer" : "The server could not answer");
 // A banner says what these messages said.
 export function drop_complaints(): void {
-  drop(DAMAGED);
+  said_damaged.forEach(drop);
+  said_damaged.clear();
   drop(no_answer());
 }
 
@@ -78,7 +89,7 @@ export function drop_complaints(): void {
 function noted(error: ServerError, path: string): ServerError {
   if (error.status === 401) token_wanted.value = true;
   else if (is_version_gone(error, path)) ++version_gone.value;
-  else if (error.code === "damaged") say(DAMAGED, { detail: error.message });
+  else if (is_damage(error)) say_damaged(path, error.message);
   else if (error.status >= 500 && !is_proxys(error.status)) say(no_answer(), { detail: error.message });
   return error;
 }

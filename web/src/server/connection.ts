@@ -59,6 +59,17 @@ export async function doubt(): Promise<void> {
 // Everything that waits for data asks again.
 export const ask_again = () => void ++returned.value;
 
+export function until_returned(): Promise<void> {
+  const before = returned.peek();
+  return new Promise((resolve) => {
+    const stop = returned.subscribe((count) => {
+      if (count === before) return;
+      stop();
+      resolve();
+    });
+  });
+}
+
 // The browser knows that the network is gone before any request fails.
 export function watch_network(): void {
   addEventListener("offline", not_reached);

@@ -1,4 +1,5 @@
 // A grid on the start page: pictures of it, what it is made of, and what is wrong with it.
+import { type Signal, useSignal } from "@preact/signals";
 import { useRef } from "preact/hooks";
 import { Axis } from "../base/axis";
 import { needs_other_ground } from "../base/contrast";
@@ -15,30 +16,39 @@ import { theme } from "../state/theme";
 import { CopyButton } from "../widgets/copy";
 import { Icon } from "../widgets/icons";
 import { use_seen } from "./in_sight";
+import { NoPicture } from "./no_picture";
 import { Preview } from "./preview";
 
 const [WIDTH, HEIGHT] = [300, 216]; // CSS pixels of the picture in three dimensions
 
-function Picture({ grid, wanted }: { grid: GridSummary; wanted: boolean }) {
+interface PictureProps {
+  readonly grid: GridSummary;
+  readonly wanted: boolean;
+  readonly damage: Signal<string | null>; // what a picture could not show
+}
+
+function Picture({ grid, wanted, damage }: PictureProps) {
   const size = `${2 * WIDTH},${2 * HEIGHT}`;
   const address = new GridAddress(grid.id, grid.hash).view("png", `size=${size}&fov=26&background=%2300000000`);
-  const { source, failed } = use_picture(wanted ? address : null);
+  const { source, error } = use_picture(wanted ? address : null);
   return (
     <span class="preview preview-3d">
       {source && <img src={source} width={WIDTH} height={HEIGHT} alt={`${grid.name} in three dimensions`} />}
-      {failed && <span class="faint">no picture</span>}
+      {error !== null && <NoPicture error={error} damage={damage} />}
     </span>
   );
 }
 
-function Pictures({ grid, info, wanted }: { grid: GridSummary; info: GridInfo | null; wanted: boolean }) {
+function Pictures({ grid, info, wanted, damage }: PictureProps & { info: GridInfo | null }) {
   const axes = info?.grid.axes.map((axis, d) => new Axis(axis, info.grid.sample[d]!));
   const opaque = initial_looks(info?.materials.slice(1) ?? []).filter((look) => look.opacity > 0.5);
   const other_ground = needs_other_ground(theme.value, opaque.map((look) => look.color));
   return (
     <span class={`previews ${other_ground ? "other-ground" : ""}`}>
-      <Picture grid={grid} wanted={wanted} />
-      {([2, 1, 0] as const).map((axis) => (axes ? <Preview key={axis} grid={grid} axes={axes} axis={axis} /> : <span key={axis} class="preview" />))}
+      <Picture grid={grid} wanted={wanted} damage={damage} />
+      {([2, 1, 0] as const).map((axis) =>
+        axes ? <Preview key={axis} grid={grid} axes={axes} axis={axis} damage={damage} /> : <span key={axis} class="preview" />,
+      )}
     </span>
   );
 }
@@ -85,6 +95,15 @@ function CareLine({ grid, info, wanted }: { grid: GridSummary; info: GridInfo | 
   );
 }
 
+function DamageLine({ reason }: { reason: string }) {
+  return (
+    <p class="card-care bad" title={reason}>
+      <Icon name="warning" />
+      <span>The file is damaged: parts of it can't be read.</span>
+    </p>
+  );
+}
+
 function Addresses({ grid }: { grid: GridSummary }) {
   const addresses = [{ title: "JSON", path: `/api/v1/grids/${encodeURIComponent(grid.id)}` }, ...grid.protocols];
   return (
@@ -115,10 +134,11 @@ export function Card({ grid }: { grid: GridSummary }) {
   const id = encodeURIComponent(grid.id);
   const info = use_answer<GridInfo>(seen ? `api/v1/grids/${id}?v=${grid.hash}` : null).value;
   const cells = product(grid.cells);
+  const damage = useSignal<string | null>(null);
   return (
-    <li class="card" ref={element}>
+    <li class={damage.value ? "card damaged" : "card"} ref={element}>
       <a class="card-main" href={`#g=${id}`}>
-        <Pictures grid={grid} info={info} wanted={seen} />
+        <Pictures grid={grid} info={info} wanted={seen} damage={damage} />
         <h2>{grid.name}</h2>
         <p class="card-facts">
           <span>{sizes(grid.cells)}</span>
@@ -129,7 +149,7 @@ export function Card({ grid }: { grid: GridSummary }) {
           {grid.modified !== null && <span>{new Date(1000 * grid.modified).toLocaleDateString("en-GB", { dateStyle: "medium" })}</span>}
         </p>
         <Materials info={info} />
-        <CareLine key={grid.hash} grid={grid} info={info} wanted={seen} />
+        {damage.value ? <DamageLine reason={damage.value} /> : <CareLine grid={grid} info={info} wanted={seen} />}
       </a>
       {!is_read_here(grid.id) && <Addresses grid={grid} />}
     </li>

@@ -1,9 +1,11 @@
 // The picture of a slice on the start page. It is true to scale: as wide and high as the domain, with graded axes
 // stretched cell by cell.
+import type { Signal } from "@preact/signals";
 import { useEffect, useRef, useState } from "preact/hooks";
 import { type Axis, FRAMES } from "../base/axis";
 import { AXIS_NAMES, type AxisIndex, type GridSummary } from "../base/grid";
-import { get_patiently } from "../server/api";
+import { picture_at } from "../server/picture";
+import { NoPicture } from "./no_picture";
 
 const PICTURE = 360; // cells: the level is about as fine as the picture on the card
 const MARGIN = 8;
@@ -54,9 +56,16 @@ function show(canvas: HTMLCanvasElement, picture: ImageBitmap, u: Axis, v: Axis,
 }
 
 // Pictures are fetched like everything else, so that the token goes along.
-export function Preview({ grid, axes, axis }: { grid: GridSummary; axes: readonly Axis[]; axis: AxisIndex }) {
+interface Props {
+  readonly grid: GridSummary;
+  readonly axes: readonly Axis[];
+  readonly axis: AxisIndex;
+  readonly damage: Signal<string | null>;
+}
+export function Preview({ grid, axes, axis, damage }: Props) {
   const canvas = useRef<HTMLCanvasElement>(null);
-  const [state, set_state] = useState<"coming" | "there" | "failed">("coming");
+  const [there, set_there] = useState(false);
+  const [error, set_error] = useState<unknown>(null);
   const frame = FRAMES[axis];
   const [u, v] = [axes[frame.u]!, axes[frame.v]!];
   let level = 0;
@@ -65,21 +74,20 @@ export function Preview({ grid, axes, axis }: { grid: GridSummary; axes: readonl
   const path = `api/v1/grids/${encodeURIComponent(grid.id)}/slice/${AXIS_NAMES[axis]}/${index}.png?level=${level}&v=${grid.hash}`;
   useEffect(() => {
     const abort = new AbortController();
-    get_patiently(path, abort.signal)
-      .then((r) => r.blob())
+    picture_at(path, abort.signal)
       .then(createImageBitmap)
       .then((picture) => {
         if (abort.signal.aborted) return;
         show(canvas.current!, picture, u, v, level);
-        set_state("there");
+        set_there(true);
       })
-      .catch(() => abort.signal.aborted || set_state("failed"));
+      .catch((problem: unknown) => abort.signal.aborted || set_error(problem));
     return () => abort.abort();
   }, [path]);
   return (
     <span class="preview">
-      <canvas ref={canvas} role="img" aria-label={`${grid.id}: slice across ${AXIS_NAMES[axis]} in the middle`} hidden={state !== "there"} />
-      {state === "failed" && <span class="faint">no picture</span>}
+      <canvas ref={canvas} role="img" aria-label={`${grid.id}: slice across ${AXIS_NAMES[axis]} in the middle`} hidden={!there} />
+      {error !== null && <NoPicture error={error} damage={damage} />}
     </span>
   );
 }

@@ -1,9 +1,10 @@
 // The list of the grids that are served, with pictures, or why there is nothing to show.
+import type { Ref } from "preact";
 import { useEffect, useRef, useState } from "preact/hooks";
 import { grouped, plural } from "../base/format";
 import type { GridSummary, UnreadableFile } from "../base/grid";
 import { contains } from "../base/names";
-import { can_read_files, open_files } from "../module/own_grids";
+import { asked_elsewhere, can_read_files, open_files } from "../module/own_grids";
 import { is_alone } from "../server/transport";
 import { by_touch } from "../state/phone";
 import { Icon } from "../widgets/icons";
@@ -13,9 +14,9 @@ import { ORDERS, type Order, listed } from "./listing";
 
 const FEW = 4; // grids that need no search
 
-function UnreadableCard({ file }: { file: UnreadableFile }) {
+function UnreadableCard({ file, element }: { file: UnreadableFile; element: Ref<HTMLLIElement> | null }) {
   return (
-    <li class="card unreadable">
+    <li class="card unreadable" ref={element} tabIndex={-1}>
       <h2>
         <Icon name="warning" /> {file.id}
       </h2>
@@ -24,9 +25,17 @@ function UnreadableCard({ file }: { file: UnreadableFile }) {
   );
 }
 
-function headline(readable: number, broken: number): string {
-  const parts = [readable === 1 ? "One grid" : `${grouped(readable)} grids`, `${plural(broken, "file")} that can't be read`];
-  return parts.filter((_, n) => [readable, broken][n]! > 0).join(", ");
+// `jump` leads to the files that can't be read, which come after the grids.
+function Headline({ readable, broken, jump }: { readable: number; broken: number; jump(): void }) {
+  const unreadable = broken > 0 && `${plural(broken, "file")} that can't be read`;
+  if (readable === 0) return <h1>{unreadable}</h1>;
+  return (
+    <h1>
+      {readable === 1 ? "One grid" : `${grouped(readable)} grids`}
+      {unreadable && ", "}
+      {unreadable && <button onClick={jump}>{unreadable}</button>}
+    </h1>
+  );
 }
 
 function Empty() {
@@ -119,14 +128,30 @@ function List({ grids, broken }: { grids: readonly GridSummary[]; broken: readon
   const found = many ? listed(grids, text, order) : grids;
   const unreadable = many ? broken.filter(({ id }) => contains(id, text)) : broken;
   const searched = many && text.trim() !== "";
+  const first_unreadable = useRef<HTMLLIElement>(null);
+  const [jumps, set_jumps] = useState(0);
+  useEffect(() => {
+    if (jumps === 0) return;
+    first_unreadable.current?.focus({ preventScroll: true });
+    first_unreadable.current?.scrollIntoView();
+  }, [jumps]);
+  const jump = () => {
+    set_text("");
+    set_jumps(jumps + 1);
+  };
   const open_only = () => {
     if (searched && found.length === 1) location.hash = `#g=${encodeURIComponent(found[0]!.id)}`;
   };
   return (
     <>
       <div class="start-head">
-        <h1>{headline(grids.length, broken.length)}</h1>
+        <Headline readable={grids.length} broken={broken.length} jump={jump} />
         {many && <Choice text={text} order={order} search={set_text} open={open_only} sort={set_order} />}
+        {asked_elsewhere && (
+          <a class="button" href={location.pathname}>
+            <Icon name="list" /> All grids here
+          </a>
+        )}
         <FileChoice />
       </div>
       <p class="note" role="status">
@@ -134,10 +159,10 @@ function List({ grids, broken }: { grids: readonly GridSummary[]; broken: readon
       </p>
       <ul class="cards">
         {found.map((grid) => (
-          <Card key={grid.id} grid={grid} />
+          <Card key={`${grid.id} ${grid.hash} ${grid.modified}`} grid={grid} />
         ))}
         {unreadable.map((file, n) => (
-          <UnreadableCard key={`${n} ${file.id}`} file={file} />
+          <UnreadableCard key={`${n} ${file.id}`} file={file} element={n === 0 ? first_unreadable : null} />
         ))}
       </ul>
     </>

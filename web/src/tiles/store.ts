@@ -10,7 +10,7 @@
 // would cost a new one, and the tile may be wanted again.
 import { batch } from "@preact/signals";
 import type { Index3 } from "../base/grid";
-import { ServerError } from "../server/api";
+import { ServerError, is_damage } from "../server/api";
 import type { TileCounters } from "./counters";
 import { type Place, place_name, tile_size } from "./place";
 
@@ -172,7 +172,7 @@ export class TileStore<T extends Held> {
         return response.arrayBuffer();
       };
       const buffer = await load(this.source.address(place)).catch((error: unknown) => {
-        const rest = error instanceof ServerError && error.code === "damaged" ? this.source.what_is_left?.(place) : undefined;
+        const rest = is_damage(error) ? this.source.what_is_left?.(place) : undefined;
         if (rest === undefined) throw error;
         damaged = true;
         return load(rest);

@@ -2,6 +2,8 @@
 import { useLayoutEffect, useRef } from "preact/hooks";
 import { coordinate, grouped, sizes } from "../base/format";
 import { AXIS_NAMES, type AxisIndex } from "../base/grid";
+import { connection } from "../server/connection";
+import { answerer } from "../server/transport";
 import type { ViewName, Viewer } from "../state/viewer";
 import { toggle_layout } from "./actions";
 import { Gestures } from "./gestures";
@@ -25,6 +27,7 @@ function Title({ stage, viewer, axis }: { stage: Stage; viewer: Viewer; axis: Ax
   const level = viewer.level[axis].value;
   const together = Math.min(2 ** level, a.cells);
   const shares = viewer.has_shares && viewer.show_shares.value;
+  const stale = connection.value.state === "lost" ? stage.stale[axis].value : null; // otherwise it goes in a moment
   return (
     <div class="view-title">
       <span class={`view-chip view-chip-${name}`} aria-hidden="true">
@@ -48,6 +51,11 @@ function Title({ stage, viewer, axis }: { stage: Stage; viewer: Viewer; axis: Ax
       {shares && level === 0 && (
         <span class="view-level" title="A mixed cell has the mean colour of what is in it, by its shares. Press s to see each cell as one material.">
           shares
+        </span>
+      )}
+      {stale !== null && (
+        <span class="view-damaged" role="status" title={`Slice ${grouped(slice)} has not been loaded: ${answerer()} does not answer.`}>
+          slice {grouped(stale)} is shown
         </span>
       )}
       {stage.damaged[axis].value && (

@@ -57,6 +57,8 @@ export class Stage {
   readonly together: readonly [Signal<boolean>, Signal<boolean>, Signal<boolean>] = [signal(false), signal(false), signal(false)]; // bodies of one material
   // Whether the server could not read something that a view shows.
   readonly damaged: readonly [Signal<boolean>, Signal<boolean>, Signal<boolean>] = [signal(false), signal(false), signal(false)];
+  // The slice that a view still shows in place of its own.
+  readonly stale: readonly [Signal<number | null>, Signal<number | null>, Signal<number | null>] = [signal(null), signal(null), signal(null)];
   // The view that keys act on: its panel has the pointer or the focus. `active` is the last such view that shows
   // slices.
   active_view: ViewName = "z";
@@ -286,6 +288,7 @@ export class Stage {
       painted = draw_overlay(scene, view, this.draft.value) || painted;
       viewer.level[view.axis].value = view.level;
       this.together[view.axis].value = view.shown.regions.some(({ tile }) => tile?.apart === false);
+      this.stale[view.axis].value = view.stale_slice;
       this.damaged[view.axis].value = view.shown.regions.some((region) => region.damaged);
     }
     for (const view of this.views) this.waiting[view.axis].value = !view.sharp; // a hidden view waits for nothing

@@ -113,6 +113,11 @@ export class View {
     return this.behind_since === null ? null : this.behind_since + PATIENCE;
   }
 
+  // The earlier slice that is still shown; null: it is the right one.
+  get stale_slice(): number | null {
+    return this.shown.stale ? this.shown_slice : null;
+  }
+
   get level(): number {
     return this.places.reduce((least, { level }) => Math.min(least, level), this.places[0]?.level ?? 0);
   }
