@@ -146,5 +146,6 @@ test("a grid that keeps materials alone has no such list, and says how it would 
   assert.equal(await page.getByRole("tab", { name: "Bodies" }).count(), 0);
   assert.equal(await state(page, "panel"), "materials");
   await page.getByText('"label_by": "body"').waitFor();
+  await page.getByTitle("Hide grandstand: lower tier, upper tier").waitFor();
   await close(page);
 });

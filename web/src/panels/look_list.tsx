@@ -28,9 +28,9 @@ export function ordered<T extends Pick<Item, "name" | "amount">>(items: readonly
   return [...items].sort((a, b) => sign * ((a.amount?.cells ?? 0) - (b.amount?.cells ?? 0)));
 }
 
-// Items whose names contain a text; what stands beside a name counts too.
-export const matching = <T extends Pick<Item, "name" | "beside">>(items: readonly T[], text: string): readonly T[] =>
-  items.filter(({ name, beside }) => contains(`${name} ${beside}`, text));
+// Items whose names contain a text; what stands beside a name counts too, and so do the bodies of a material.
+export const matching = <T extends Pick<Item, "name" | "beside" | "bodies">>(items: readonly T[], text: string): readonly T[] =>
+  items.filter(({ name, beside, bodies = [] }) => contains(`${name} ${beside}`, text) || bodies.some((body) => contains(body, text)));
 
 interface Props {
   readonly viewer: Viewer;
