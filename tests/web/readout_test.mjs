@@ -291,7 +291,7 @@ test("of very many bodies, holes and warnings the first are shown, and a click s
 });
 
 async function saved_picture(page, name) {
-  await page.getByRole("tab", { name: "Share" }).click();
+  await page.getByRole("tab", { name: "Link" }).click();
   const downloading = page.waitForEvent("download");
   await page.getByRole("button", { name: "Save as PNG" }).click();
   const download = await downloading;
