@@ -36,7 +36,10 @@ test("the verdict counts what was found; each kind has its findings, each findin
   await page.waitForSelector('.overview[data-state="sharp"]');
   const markers = await state(page, "markers");
   assert.ok(markers.length > 0 && markers.length <= 24);
+  await page.getByLabel(/^Mark .* in the views: thin walls$/).waitFor();
   await screenshot(page, "findings");
+  await page.getByRole("button", { name: "Side panel" }).click();
+  await page.waitForFunction(() => teracell.viewer.markers.value.length === 0);
   await close(page);
 });
 
