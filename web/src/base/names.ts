@@ -1,6 +1,12 @@
-// Names in lists: how they are ordered and found.
+// Names in lists: how they are ordered and found, and the first of many.
+import { grouped } from "./format";
 
 export const by_name = new Intl.Collator("en", { numeric: true }).compare; // wheel 2 before wheel 10
 
 // Whether a text contains another one, in whatever case.
 export const contains = (text: string, wanted: string): boolean => text.toLowerCase().includes(wanted.trim().toLowerCase());
+
+const FEW = 8;
+
+export const some_names = (names: readonly string[]): string =>
+  names.length > FEW ? `${names.slice(0, FEW).join(", ")} and ${grouped(names.length - FEW)} more` : names.join(", ");

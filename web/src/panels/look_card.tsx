@@ -2,6 +2,7 @@
 import { useState } from "preact/hooks";
 import { grouped, percent, significant } from "../base/format";
 import type { Amount } from "../base/grid";
+import { some_names } from "../base/names";
 import { type MaterialLook, css_color, hex_color, rgb_of_color } from "../base/materials";
 import type { Viewer } from "../state/viewer";
 import { Fact } from "../widgets/fact";
@@ -50,13 +51,8 @@ export function Opacity({ item }: { item: Item }) {
   );
 }
 
-const FEW_NAMES = 8;
-
-const names_text = (names: readonly string[]): string =>
-  names.length > FEW_NAMES ? `${names.slice(0, FEW_NAMES).join(", ")} and ${grouped(names.length - FEW_NAMES)} more` : names.join(", ");
-
 // The bodies that an item's controls are for, where its name does not say it.
-const concerned = ({ name, bodies = [] }: Item): string => (bodies.length > 1 || (bodies[0] ?? name) !== name ? names_text(bodies) : "");
+const concerned = ({ name, bodies = [] }: Item): string => (bodies.length > 1 || (bodies[0] ?? name) !== name ? some_names(bodies) : "");
 
 function AmountFacts({ viewer, item, all }: Props) {
   const { look, amount } = item;

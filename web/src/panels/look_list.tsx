@@ -36,12 +36,13 @@ interface Props {
   readonly viewer: Viewer;
   readonly items: readonly Item[];
   readonly what: string; // as in "Filter 300 materials"
+  readonly count?: number; // of those that are meant; default: all items
   readonly all: number; // cells of the grid
   readonly of_found?: (found: readonly Item[]) => preact.ComponentChildren; // what can be done with those that the filter finds
   readonly many_at_once: ManyAtOnce;
 }
 
-export function LookList({ viewer, items, what, all, of_found, many_at_once }: Props) {
+export function LookList({ viewer, items, what, count = items.length, all, of_found, many_at_once }: Props) {
   const [filter, set_filter] = useState("");
   const [order, set_order] = useState<Order>("own");
   const tree = useMemo(() => part_tree(items.map(({ name }) => name)), [viewer.info]);
@@ -55,7 +56,7 @@ export function LookList({ viewer, items, what, all, of_found, many_at_once }: P
           <input
             class="text-input"
             type="search"
-            placeholder={`Filter ${grouped(items.length)} ${what}`}
+            placeholder={`Filter ${grouped(count)} ${what}`}
             aria-label={`Filter ${what} by name`}
             value={filter}
             onInput={(e) => set_filter(e.currentTarget.value)}
