@@ -25,7 +25,7 @@ async function colors_in_3d(page) {
 
 test("each body is listed with its cells, and what is hidden is hidden everywhere", async () => {
   const page = await open_grid(browser, `${apart.url}#g=bodies&panel=bodies`);
-  await page.getByPlaceholder("Filter 11 bodies").waitFor();
+  await page.getByPlaceholder("Filter 10 bodies").waitFor();
   for (const { label, name, cells } of bodies.filter(({ name }) => name)) {
     await row(page, name).locator("button.material-title").click();
     await row(page, name).getByText("Bounding box").waitFor();
@@ -146,5 +146,6 @@ test("a grid that keeps materials alone has no such list, and says how it would 
   assert.equal(await page.getByRole("tab", { name: "Bodies" }).count(), 0);
   assert.equal(await state(page, "panel"), "materials");
   await page.getByText('"label_by": "body"').waitFor();
+  await page.getByTitle("Hide grandstand: lower tier, upper tier").waitFor();
   await close(page);
 });

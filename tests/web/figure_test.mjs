@@ -128,16 +128,18 @@ test("the view in three dimensions is saved in any size, on a clear ground, with
   await close(page);
 });
 
-test("what can't be made is said, and can't be saved; Escape closes", async () => {
+test("what can't be made is said, and can't be saved; Escape closes, and what was typed stays", async () => {
   const page = await open_dialog("g=graded");
   await choose(page, { Width: 5, Unit: "in", "Dots per inch": 9000 });
   await page.getByText("Dots per inch: 36 to 2400.").waitFor();
   await choose(page, { Width: 100, Unit: "px", "Dots per inch": 1200 });
   await page.getByText(/too narrow for its axes/).waitFor();
-  await choose(page, { Width: 5, Unit: "in", "Dots per inch": 9000 });
+  await choose(page, { Width: 5, Unit: "in", "Dots per inch": 9000, Title: "Mine" });
   assert.ok(await page.getByRole("button", { name: "Save", exact: true }).isDisabled());
   await page.keyboard.press("Escape");
   await page.getByRole("dialog").waitFor({ state: "hidden" });
   await page.waitForFunction(() => !teracell.viewer.figure.value); // a closed dialog says so later
+  await page.keyboard.press("f");
+  assert.equal(await page.getByLabel("Title", { exact: true }).inputValue(), "Mine");
   await close(page);
 });

@@ -69,7 +69,7 @@ test("slices show mixed cells as shades, and links keep that", async () => {
     return view(page, "z").locator(".view-cells").evaluate((canvas) => [...canvas.getContext("2d").getImageData(canvas.width >> 1, canvas.height >> 1, 1, 1).data]);
   };
   const whole = await color();
-  await page.keyboard.press("s");
+  await page.getByRole("button", { name: "shares", exact: true }).click();
   const shaded = await color();
   assert.notDeepEqual(shaded, whole);
   const head = page.locator('[data-view="z"] .view-title');

@@ -186,7 +186,7 @@ test("the page works below a path, behind a proxy that puts another path in fron
   await settled(page);
   assert.ok(asked.some((url) => url.includes("/tile/")));
   for (const url of asked) assert.ok(url.startsWith(`${root}/`) || url.startsWith("blob:"), url);
-  await page.getByRole("tab", { name: "Share" }).click();
+  await page.getByRole("tab", { name: "Link" }).click();
   assert.ok((await page.getByRole("tabpanel").innerText()).includes(`${root}/zarr/stadium`));
   await close(page);
   proxy.close();
@@ -419,7 +419,7 @@ for (const theme of ["light", "dark"])
     };
     const bright = await luminance();
     assert.ok(theme === "light" ? bright > 0.6 : bright < 0.4, `mean brightness ${bright}`);
-    for (const tab of ["Materials", "Report", "Box", "Share", "Status"]) {
+    for (const tab of ["Materials", "Report", "Box", "Link", "Status"]) {
       await page.getByRole("tab", { name: tab }).click();
       await page.waitForLoadState("networkidle");
       assert.deepEqual(await poor_contrasts(page), [], tab);

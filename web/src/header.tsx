@@ -40,6 +40,18 @@ function Facts({ viewer }: { viewer: Viewer }) {
       <span class="fact-sizes">{sizes(cells)}</span>
       <span class="fact-cells">{about(all)} {noun(all, "cell")}</span>
       <span>{bytes_text(viewer.info.file.bytes)}</span>
+      {viewer.has_shares && (
+        <span>
+          <button
+            class="fact-shares"
+            aria-pressed={viewer.show_shares.value}
+            title="Of mixed cells the grid knows the share of each material. The read-out lists them; press here, or s, to see them as shades (zoom in to single cells)"
+            onClick={() => (viewer.show_shares.value = !viewer.show_shares.peek())}
+          >
+            shares
+          </button>
+        </span>
+      )}
     </span>
   );
 }

@@ -7,7 +7,7 @@ import type { Box, Measure } from "@page/state/viewer";
 import { type Handle, cells_between, cursor_of, dragged, handle_at, handles_of, nearest_plane } from "@page/views/drawing/box_handles";
 import { Camera } from "@page/views/drawing/camera";
 import { nearer, nearest_boundary } from "@page/views/snap";
-import { box_snippet } from "@page/panels/take_out";
+import { box_snippet, numbers_comment } from "@page/panels/take_out";
 import { random_of, whole } from "./random";
 
 const uniform = (cells: number) => new Axis({ type: "uniform", min: -2, step: 0.5, first: 0, cells }, 0.5);
@@ -96,6 +96,13 @@ test("a side goes to the plane under the pointer", () => {
 });
 
 test("the lines for Python name the address once", () => {
-  const lines = box_snippet("http://h/api/v1/grids/g/box.npy?region=0,0,0,1,1,1");
+  const lines = box_snippet("http://h/api/v1/grids/g/box.npy?region=0,0,0,1,1,1", "# 0 air");
   assert.equal(lines.split("http://h/api").length, 2);
+  assert.ok(lines.endsWith("\n# 0 air"));
+});
+
+test("a comment says which number is which material, in one line, and where the rest stands", () => {
+  const materials = Array.from({ length: 14 }, (_, id) => ({ id, name: id ? `m\n${id}` : "air", color: "#000000", rank: id }));
+  assert.equal(numbers_comment(materials.slice(0, 2), "http://h/g"), "# 0 air, 1 m 1");
+  assert.match(numbers_comment(materials, "http://h/g"), /^# 0 air, .*, 11 m 11 and 2 more: http:\/\/h\/g$/);
 });

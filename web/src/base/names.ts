@@ -1,4 +1,5 @@
-// Names of grids, and in lists: how they are ordered and found.
+// Names of grids, and in lists: how they are ordered and found, and the first of many.
+import { grouped } from "./format";
 
 export const by_name = new Intl.Collator("en", { numeric: true }).compare; // wheel 2 before wheel 10
 
@@ -7,3 +8,8 @@ export const contains = (text: string, wanted: string): boolean => text.toLowerC
 
 // A grid has the name of its file.
 export const stem_of = (file: string): string => file.replace(/\.tcell$/, "");
+
+const FEW = 8;
+
+export const some_names = (names: readonly string[]): string =>
+  names.length > FEW ? `${names.slice(0, FEW).join(", ")} and ${grouped(names.length - FEW)} more` : names.join(", ");

@@ -22,15 +22,19 @@ export function percent(share: number): string {
   return `${text === "0.0" ? "< 0.1" : text === "100.0" ? "> 99.9" : text} %`;
 }
 
+const LINES = 2; // there is room for so many
+
 export function Shares({ viewer, shares }: { viewer: Viewer; shares: readonly Share[] }) {
   const largest_first = [...shares].sort((a, b) => b.share - a.share);
+  const more = shares.length - LINES;
   return (
     <span class="material-names parts" title={largest_first.map(({ name, share }) => `${percent(share)} ${name}`).join(", ")}>
-      {largest_first.map(({ id, name, share }) => (
+      {largest_first.slice(0, LINES).map(({ id, name, share }, n) => (
         <span key={id} class="material-name">
           <Swatch look={viewer.looks.value[id]} />
           <span class="part-percent">{percent(share)}</span>
           <span class="part-name">{name}</span>
+          {n === LINES - 1 && more > 0 && <span class="part-rest faint">{more} more</span>}
         </span>
       ))}
     </span>
@@ -41,8 +45,8 @@ const signed = (x: number): string => (Math.round(100 * x) === 0 ? "0" : x.toFix
 
 export function PlaneText({ plane }: { plane: Plane }) {
   return (
-    <span class="dock-plane" title={`The normal of the plane that stands for the surface of ${plane.name} in this cell, estimated from the shares of its neighbours`}>
-      n {plane.normal.map(signed).join(" ")}
+    <span class="dock-plane" title={`The normal of the surface of ${plane.name} in this cell, along x, y and z. It is estimated from the shares of the neighbours.`}>
+      normal {plane.normal.map(signed).join(" ")}
     </span>
   );
 }

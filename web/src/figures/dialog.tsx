@@ -18,6 +18,7 @@ const PREVIEW = 460; // CSS pixels
 const SETTLED = 250; // milliseconds
 
 const choices = signal<FigureOptions>(STANDARD);
+let typed_for: Viewer | null = null; // the grid that the title was typed for; a title from the view is of what was seen then, and doesn't stay
 
 const SUBJECTS: readonly Option<Subject>[] = [
   { value: "z", label: "slice across z" },
@@ -100,12 +101,19 @@ function Preview({ viewer, options }: { viewer: Viewer; options: FigureOptions }
 
 function Content({ viewer }: { viewer: Viewer }) {
   const options = choices.value;
-  const set = (what: Partial<FigureOptions>) => (choices.value = { ...options, ...what });
   const [state, set_state] = useState<{ text: string; busy: boolean }>({ text: "", busy: false });
+  const set = (what: Partial<FigureOptions>) => {
+    choices.value = { ...options, ...what };
+    if (!state.busy) set_state({ text: "", busy: false }); // what was said was about another figure
+  };
+  const set_title = (title: string, by: Viewer | null) => {
+    typed_for = by;
+    set({ title });
+  };
   const abort = useRef(new AbortController());
   useEffect(() => {
     const layout = viewer.layout.peek();
-    choices.value = { ...choices.peek(), title: "", ...(layout !== "four" && { subject: layout }), ...(layout === "3d" && { format: "png" }) };
+    choices.value = { ...choices.peek(), ...(typed_for !== viewer && { title: "" }), ...(layout !== "four" && { subject: layout }), ...(layout === "3d" && { format: "png" }) };
     return () => abort.current.abort();
   }, []);
   const is_slice = !has_space(options.subject);
@@ -151,10 +159,10 @@ function Content({ viewer }: { viewer: Viewer }) {
               aria-label="Title"
               value={options.title}
               placeholder="none"
-              onInput={(e) => set({ title: e.currentTarget.value })}
+              onInput={(e) => set_title(e.currentTarget.value, viewer)}
             />
           </label>
-          <button type="button" class="button small" onClick={() => set({ title: standard_title(viewer, options) })}>
+          <button type="button" class="button small" onClick={() => set_title(standard_title(viewer, options), null)}>
             Title from the view
           </button>
           <Switch label="Axes with coordinates" on={options.axes} set={(axes) => set({ axes })} />

@@ -1,22 +1,32 @@
-// The lengths of measured lines, beside their middles.
+// The lengths of measured lines, above their middles, or below where another one is there. What finds no room is left out; the panel lists all.
 import { length_text } from "../base/lengths";
 import { length_of } from "../state/measures";
-import type { Viewer } from "../state/viewer";
+import type { Measure, Viewer } from "../state/viewer";
 import { element } from "./dom";
+import { type Rect, apart, around } from "./numbers";
 import { type Projection, project } from "./space/camera";
 import { type Space, point_to_space } from "./space/space";
 
 const ABOVE = 14; // pixels
+const [CHARACTER, SIDES, HEIGHT] = [7, 10, 18]; // of a label, about
 
 export function make_lengths(viewer: Viewer, space: Space) {
   const root = element("div", { class: "overview-lengths", "aria-hidden": "true" });
   return {
     root,
     update(view: Projection): void {
-      const texts = viewer.measures.value.flatMap((measure) => {
-        const middle = point_to_space(space, measure.from.map((x, d) => (x + measure.to[d]!) / 2));
-        const { x, y, far } = project(view, middle);
-        return far > 0 ? [{ x, y: y - ABOVE, text: length_text(length_of(measure), viewer.info.units, 5), chosen: measure.id === viewer.chosen.value }] : [];
+      const used: Rect[] = [];
+      const is_chosen = (measure: Measure) => measure.id === viewer.chosen.value;
+      const chosen_first = [...viewer.measures.value].sort((a, b) => Number(is_chosen(b)) - Number(is_chosen(a)));
+      const texts = chosen_first.flatMap((measure) => {
+        const { x, y, far } = project(view, point_to_space(space, measure.from.map((x, d) => (x + measure.to[d]!) / 2)));
+        if (!(far > 0)) return [];
+        const text = length_text(length_of(measure), viewer.info.units, 5);
+        const places = [y - ABOVE, y + ABOVE].map((y) => ({ x, y, rect: around({ x, y }, [CHARACTER * text.length + SIDES, HEIGHT]) }));
+        const free = places.find(({ rect }) => used.every((other) => apart(other, rect)));
+        if (!free) return [];
+        used.push(free.rect);
+        return [{ x, y: free.y, text, chosen: is_chosen(measure) }];
       });
       while (root.childElementCount > texts.length) root.lastElementChild!.remove();
       while (root.childElementCount < texts.length) root.append(element("span", { class: "overview-length" }));

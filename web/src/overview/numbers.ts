@@ -36,14 +36,14 @@ export function end_text(axis: Axis, x: number): string {
   return text.replace(/(\.\d*?)0+$/, "$1").replace(/\.$/, "");
 }
 
-const around = ({ x, y }: Point, [w, h]: readonly [number, number]): Rect => ({
+export const around = ({ x, y }: Point, [w, h]: readonly [number, number]): Rect => ({
   left: x - w / 2,
   top: y - h / 2,
   right: x + w / 2,
   bottom: y + h / 2,
 });
 const clamp = (x: number, low: number, high: number) => Math.min(Math.max(x, low), Math.max(low, high));
-const apart = (a: Rect, b: Rect) =>
+export const apart = (a: Rect, b: Rect) =>
   a.left >= b.right + MARGIN || b.left >= a.right + MARGIN || a.top >= b.bottom + MARGIN || b.top >= a.bottom + MARGIN;
 
 // The places where a number may be, the best one first: beside its end, beyond it, or one of the two pushed into the

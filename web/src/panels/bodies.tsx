@@ -65,8 +65,8 @@ export function BodiesPanel({ viewer }: { viewer: Viewer }) {
   const picked = items.find(({ id }) => id === label);
   const own_looks = viewer.body_looks.value;
   const colored = [...own_looks.values()].some(({ color }) => color !== undefined);
+  const bodies = viewer.wholes.filter((label) => viewer.labels[label]!.body); // without the background
   const give_colors = () => {
-    const bodies = viewer.wholes.filter((label) => viewer.labels[label]!.body);
     viewer.body_looks.value = with_change(own_looks, bodies, (label) => ({ color: distinct_color(label) }));
   };
   return (
@@ -104,6 +104,7 @@ export function BodiesPanel({ viewer }: { viewer: Viewer }) {
         viewer={viewer}
         items={items}
         what="bodies"
+        count={bodies.length}
         all={all}
         of_found={(found) => <Found viewer={viewer} found={found} />}
         many_at_once={{

@@ -15,6 +15,7 @@ import { Swatch } from "../widgets/swatch";
 
 const MOST = 50; // runs that are listed
 const SETTLED = 150; // milliseconds
+const REMAINDER = 1e-9; // a stretch so short, as a share of the line, is the rounding of a place on a boundary
 
 function Line({ viewer, measure }: { viewer: Viewer; measure: Measure }) {
   const { units } = viewer;
@@ -24,7 +25,7 @@ function Line({ viewer, measure }: { viewer: Viewer; measure: Measure }) {
   const answer = use_answer<LineAnswer>(settled);
   // Until the answer for this line comes, that of the one before it is shown as such; after an error, or for a point, none.
   const waits = answer.path !== viewer.address.line(measure.from, measure.to);
-  const runs = is_point || answer.error ? [] : (answer.value?.runs ?? []);
+  const runs = is_point || answer.error ? [] : (answer.value?.runs ?? []).filter((run) => run.length > REMAINDER * length_of(measure));
   return (
     <>
       <dl class="numbers">

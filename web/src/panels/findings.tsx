@@ -2,6 +2,7 @@
 import { useMemo, useState } from "preact/hooks";
 import { type Finding, type Findings, type Group, type Wall, bodies_of, groups_of, overlaps_reported } from "../base/findings";
 import { grouped, plural } from "../base/format";
+import { some_names } from "../base/names";
 import { quoted } from "../base/shell";
 import { use_picture } from "../server/picture";
 import { ALL, type Focus } from "../state/findings";
@@ -111,6 +112,7 @@ function GroupOf({ viewer, group, on_open, on_visit }: GroupProps) {
   );
 }
 
+// REQUIRES: somewhere it is thin.
 function WallLine({ viewer, wall }: { viewer: Viewer; wall: Wall }) {
   const thin = wall.histogram.slice(0, 7);
   const most = Math.max(...thin, 1);
@@ -120,21 +122,33 @@ function WallLine({ viewer, wall }: { viewer: Viewer; wall: Wall }) {
       <div class="finding-line">
         <span>
           <b>{wall.body}</b>{" "}
-          <span class="faint">{wall.thinnest_cells === null ? "is at least 8 cells thick everywhere" : `thinnest: ${plural(wall.thinnest_cells, "cell")}`}</span>
+          <span class="faint">thinnest: {plural(wall.thinnest_cells!, "cell")}</span>
         </span>
         {wall.at && <GoThere what={`the thinnest wall of ${wall.body}`} go={() => go_to_finding(viewer, { at: wall.at, box: null, bodies: [wall.body] })} />}
       </div>
-      {wall.thinnest_cells !== null && (
-        <div class="histogram" role="img" aria-label={words}>
-          {thin.map((n, i) => (
-            <span key={i} title={`${plural(n, "cell")} in walls of ${plural(i + 1, "cell")}`}>
-              <span class={`bar ${i < 1 ? "bad" : i < 2 ? "look" : ""}`} style={{ height: `${n === 0 ? 0 : Math.max(4, (100 * n) / most)}%` }} />
-              {i + 1}
-            </span>
-          ))}
-        </div>
-      )}
+      <div class="histogram" role="img" aria-label={words}>
+        {thin.map((n, i) => (
+          <span key={i} title={`${plural(n, "cell")} in walls of ${plural(i + 1, "cell")}`}>
+            <span class={`bar ${i < 1 ? "bad" : i < 2 ? "look" : ""}`} style={{ height: `${n === 0 ? 0 : Math.max(4, (100 * n) / most)}%` }} />
+            {i + 1}
+          </span>
+        ))}
+      </div>
     </li>
+  );
+}
+
+// The thin ones have histograms; the others are named together.
+function Walls({ viewer, walls }: { viewer: Viewer; walls: readonly Wall[] }) {
+  const thin = walls.filter(({ thinnest_cells }) => thinnest_cells !== null);
+  const thick = walls.filter(({ thinnest_cells }) => thinnest_cells === null).map(({ body }) => body);
+  return (
+    <section>
+      <h3>Walls</h3>
+      {thin.length > 0 && <p class="note">How many cells lie in walls of 1 to 7 cells.</p>}
+      <FirstOf class="walls" list={thin} step={MANY}>{(wall) => <WallLine key={wall.body} viewer={viewer} wall={wall} />}</FirstOf>
+      {thick.length > 0 && <p class="note">At least 8 cells thick everywhere: {thin.length > 0 || thick.length === 1 ? some_names(thick) : `all ${grouped(thick.length)}`}.</p>}
+    </section>
   );
 }
 
@@ -172,13 +186,7 @@ export function FindingsList({ viewer, findings, on_focus }: { viewer: Viewer; f
           ))}
         </ul>
       </section>
-      {walls.length > 0 && (
-        <section>
-          <h3>Walls</h3>
-          <p class="note">How many cells lie in walls of 1 to 7 cells.</p>
-          <FirstOf class="walls" list={walls} step={MANY}>{(wall) => <WallLine key={wall.body} viewer={viewer} wall={wall} />}</FirstOf>
-        </section>
-      )}
+      {walls.length > 0 && <Walls viewer={viewer} walls={walls} />}
       {findings.not_looked_at.length > 0 && (
         <section>
           <h3>Not looked at</h3>

@@ -2,6 +2,7 @@
 import { useState } from "preact/hooks";
 import { grouped, percent, significant } from "../base/format";
 import type { Amount } from "../base/grid";
+import { some_names } from "../base/names";
 import { type MaterialLook, css_color, hex_color, rgb_of_color } from "../base/materials";
 import type { Viewer } from "../state/viewer";
 import { Fact } from "../widgets/fact";
@@ -15,6 +16,7 @@ export interface Item {
   readonly name: string;
   readonly title?: string; // what is read instead of the name, where a tree says the rest of it
   readonly beside: string; // what stands behind the name, in faint letters
+  readonly bodies?: readonly string[]; // of a material: those that look like it, where the file doesn't keep bodies apart
   readonly look: MaterialLook;
   readonly alone: boolean; // whether nothing else is shown
   readonly amount: Amount | null; // null while it is not known
@@ -29,29 +31,38 @@ interface Props {
   readonly all: number; // cells of the grid
 }
 
-function Opacity({ item }: { item: Item }) {
+export function Opacity({ item }: { item: Item }) {
   const text = `${Math.round(100 * item.look.opacity)} %`;
   return (
-    <input
-      type="range"
-      min={0}
-      max={100}
-      value={Math.round(100 * item.look.opacity)}
-      title={`Opacity ${text}`}
-      aria-label={`Opacity of ${item.name}`}
-      aria-valuetext={text}
-      onInput={(e) => item.change({ opacity: Number(e.currentTarget.value) / 100 })}
-    />
+    <label class="opacity">
+      opacity
+      <input
+        type="range"
+        min={0}
+        max={100}
+        value={Math.round(100 * item.look.opacity)}
+        title={`Opacity ${text}`}
+        aria-label={`Opacity of ${item.name}`}
+        aria-valuetext={text}
+        onInput={(e) => item.change({ opacity: Number(e.currentTarget.value) / 100 })}
+      />
+      <span class="share">{text}</span>
+    </label>
   );
 }
 
-function AmountFacts({ viewer, item: { look, amount }, all }: Props) {
+// The bodies that an item's controls are for, where its name does not say it.
+const concerned = ({ name, bodies = [] }: Item): string => (bodies.length > 1 || (bodies[0] ?? name) !== name ? some_names(bodies) : "");
+
+function AmountFacts({ viewer, item, all }: Props) {
+  const { look, amount } = item;
   const share = amount ? amount.cells / all : 0;
   return (
     <>
       <div class="share-bar" aria-hidden="true">
         <span style={{ width: `${100 * share}%`, background: look.opacity > 0 ? css_color(look) : "var(--line-strong)" }} />
       </div>
+      <Opacity item={item} />
       <dl class="numbers">
         <Fact name="cells">
           {amount ? cells_of(amount) : "…"} <span class="share">{amount ? percent(share) : ""}</span>
@@ -80,12 +91,15 @@ interface HeadProps {
 // The line of an item: its colour, its name, whether it is seen.
 export function LookHead({ item, all, opened, set_opened }: HeadProps) {
   const { name, look } = item;
+  const bodies = concerned(item);
+  const beside = item.beside || bodies;
+  const what = bodies && ` ${name}: ${bodies}`;
   const Title = set_opened ? "button" : "span";
   return (
-    <div class="material-head">
+    <div class={`material-head ${opened ? "is-open" : ""}`}>
       <input
         type="color"
-        title={`Colour of ${name}`}
+        title={`Colour of ${what.trim() || name}`}
         aria-label={`Colour of ${name}`}
         value={hex_color(look)}
         style={{ "--opacity": look.opacity }}
@@ -93,17 +107,17 @@ export function LookHead({ item, all, opened, set_opened }: HeadProps) {
       />
       <Title
         class="material-title"
-        title={`${name} ${item.beside}`}
+        title={`${name} ${beside}`}
         {...(set_opened && { "aria-expanded": opened, onClick: () => set_opened(!opened) })}
       >
         <bdi>{item.title ?? name}</bdi>
-        {item.beside && <span class="faint"> {item.beside}</span>}
+        {beside && <span class="faint"> {beside}</span>}
       </Title>
-      {opened ? <Opacity item={item} /> : <span class="share">{item.amount ? percent(item.amount.cells / all) : "…"}</span>}
+      {!opened && <span class="share">{item.amount ? percent(item.amount.cells / all) : "…"}</span>}
       <IconButton
         icon={look.visible ? "eye" : "hidden"}
         label={`Show ${name}`}
-        title={look.visible ? "Hide" : "Show"}
+        title={`${look.visible ? "Hide" : "Show"}${what}`}
         aria-pressed={look.visible}
         onClick={() => item.change({ visible: !look.visible })}
       />

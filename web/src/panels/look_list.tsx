@@ -28,20 +28,21 @@ export function ordered<T extends Pick<Item, "name" | "amount">>(items: readonly
   return [...items].sort((a, b) => sign * ((a.amount?.cells ?? 0) - (b.amount?.cells ?? 0)));
 }
 
-// Items whose names contain a text; what stands beside a name counts too.
-export const matching = <T extends Pick<Item, "name" | "beside">>(items: readonly T[], text: string): readonly T[] =>
-  items.filter(({ name, beside }) => contains(`${name} ${beside}`, text));
+// Items whose names contain a text; what stands beside a name counts too, and so do the bodies of a material.
+export const matching = <T extends Pick<Item, "name" | "beside" | "bodies">>(items: readonly T[], text: string): readonly T[] =>
+  items.filter(({ name, beside, bodies = [] }) => contains(`${name} ${beside}`, text) || bodies.some((body) => contains(body, text)));
 
 interface Props {
   readonly viewer: Viewer;
   readonly items: readonly Item[];
   readonly what: string; // as in "Filter 300 materials"
+  readonly count?: number; // of those that are meant; default: all items
   readonly all: number; // cells of the grid
   readonly of_found?: (found: readonly Item[]) => preact.ComponentChildren; // what can be done with those that the filter finds
   readonly many_at_once: ManyAtOnce;
 }
 
-export function LookList({ viewer, items, what, all, of_found, many_at_once }: Props) {
+export function LookList({ viewer, items, what, count = items.length, all, of_found, many_at_once }: Props) {
   const [filter, set_filter] = useState("");
   const [order, set_order] = useState<Order>("own");
   const tree = useMemo(() => part_tree(items.map(({ name }) => name)), [viewer.info]);
@@ -55,7 +56,7 @@ export function LookList({ viewer, items, what, all, of_found, many_at_once }: P
           <input
             class="text-input"
             type="search"
-            placeholder={`Filter ${grouped(items.length)} ${what}`}
+            placeholder={`Filter ${grouped(count)} ${what}`}
             aria-label={`Filter ${what} by name`}
             value={filter}
             onInput={(e) => set_filter(e.currentTarget.value)}

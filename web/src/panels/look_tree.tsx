@@ -6,7 +6,7 @@ import type { MaterialLook } from "../base/materials";
 import { type Branch, type Leaf, is_branch } from "../base/part_tree";
 import type { Viewer } from "../state/viewer";
 import { FirstOf } from "./first_of";
-import { type Item, LookCard, LookHead } from "./look_card";
+import { type Item, LookCard, LookHead, Opacity } from "./look_card";
 
 const STEP = 100; // children that are shown at once
 const FEW = 30; // items of a tree that is unfolded from the start
@@ -53,6 +53,7 @@ function BranchCard({ branch, first, ...props }: Props & { branch: Branch; first
   return (
     <li class={`material is-short ${item.look.visible ? "" : "is-hidden"}`}>
       <LookHead item={item} all={props.all} opened={opened} set_opened={set_opened} />
+      {opened && <Opacity item={item} />}
       {opened && <Children {...props} list={branch.children} class="materials branch" first={first && branch.children.length === 1} />}
     </li>
   );

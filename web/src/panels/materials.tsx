@@ -1,7 +1,8 @@
 // The materials: how they look, and exactly how much of the grid they fill.
 import { batch } from "@preact/signals";
+import { useMemo } from "preact/hooks";
 import { grouped, product } from "../base/format";
-import type { Stats } from "../base/grid";
+import type { Report, Stats } from "../base/grid";
 import { type MaterialLook, same_look } from "../base/materials";
 import { use_stats } from "../visits/amounts";
 import { go_to_labels } from "../visits/go_there";
@@ -40,7 +41,14 @@ function many_at_once(viewer: Viewer): ManyAtOnce {
   };
 }
 
-function items_of(viewer: Viewer, stats: Stats | null): Item[] {
+// The names of the bodies of each material.
+export function bodies_by_material({ scene }: Report): ReadonlyMap<string, readonly string[]> {
+  const names = new Map<string, string[]>();
+  for (const { name, material } of scene?.bodies ?? []) names.set(material, [...(names.get(material) ?? []), name]);
+  return names;
+}
+
+function items_of(viewer: Viewer, stats: Stats | null, bodies: ReadonlyMap<string, readonly string[]>): Item[] {
   const looks = viewer.looks.value;
   const visible = looks.flatMap((look, id) => (look.visible ? [id] : []));
   const many = many_at_once(viewer);
@@ -50,6 +58,7 @@ function items_of(viewer: Viewer, stats: Stats | null): Item[] {
       id,
       name,
       beside: id === 0 ? "background" : "",
+      bodies: bodies.get(name) ?? [],
       look: looks[id]!,
       alone,
       amount: stats?.materials[id] ?? null,
@@ -65,6 +74,9 @@ export function MaterialsPanel({ viewer }: { viewer: Viewer }) {
   const all = Number(product(viewer.cells));
   const looks = viewer.looks.value;
   const distinct = all_distinct(looks);
+  const { report } = viewer.info;
+  const bodies = useMemo(() => (viewer.keeps_bodies ? new Map() : bodies_by_material(report)), [viewer]);
+  const one_look = !viewer.keeps_bodies && (report.scene ? [...bodies.values()].some((names) => names.length > 1) : report.bodies.length > 1);
   return (
     <>
       <div class="toolbar">
@@ -95,17 +107,16 @@ export function MaterialsPanel({ viewer }: { viewer: Viewer }) {
           Reset
         </button>
       </div>
+      {one_look && (
+        <p class="note">
+          Bodies of one material are hidden, faded and coloured together. To have each alone, mesh with <code>"label_by": "body"</code> in the scene.
+        </p>
+      )}
       {stats.error && <p class="problem">The cells can't be counted: {stats.error}</p>}
-      <LookList viewer={viewer} items={items_of(viewer, stats.value)} what="materials" all={all} many_at_once={many_at_once(viewer)} />
+      <LookList viewer={viewer} items={items_of(viewer, stats.value, bodies)} what="materials" all={all} many_at_once={many_at_once(viewer)} />
       <dl class="numbers total">
         <Fact name="all cells">{grouped(product(viewer.cells))}</Fact>
       </dl>
-      {!viewer.keeps_bodies && viewer.info.report.bodies.length > 1 && (
-        <p class="note">
-          This file keeps materials, not bodies. Meshed with <code>"label_by": "body"</code> in the scene, each body could be hidden, shown
-          alone and coloured.
-        </p>
-      )}
     </>
   );
 }

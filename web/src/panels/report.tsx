@@ -4,13 +4,14 @@ import { bytes_text, grouped, plural, product, prose, significant, upper_first }
 import type { BodyReport } from "../base/grid";
 import { use_answer } from "../server/answer";
 import { grid_findings } from "../server/api";
-import { ALL, markers_of } from "../state/findings";
+import { ALL, type Focus, markers_of } from "../state/findings";
+import { on_phone } from "../state/phone";
 import { places_found } from "../state/places";
 import type { Viewer } from "../state/viewer";
 import { CodeLine } from "../widgets/copy";
 import { Fact } from "../widgets/fact";
 import { Icon } from "../widgets/icons";
-import { not_checked, verdict } from "./finding_words";
+import { KINDS, not_checked, verdict } from "./finding_words";
 import { FindingsList, NotChecked } from "./findings";
 import { FirstOf } from "./first_of";
 import { BodyDetails } from "./report_body";
@@ -44,6 +45,12 @@ function Body({ viewer, body, open }: { viewer: Viewer; body: BodyReport; open: 
   );
 }
 
+// What of the findings is marked, where it isn't all.
+const marks_of = ({ body, kind }: Focus): string => {
+  const parts = [kind && KINDS[kind].name.toLowerCase(), body && `of ${body}`].filter(Boolean);
+  return parts.length ? `: ${parts.join(" ")}` : "";
+};
+
 export function ReportPanel({ viewer }: { viewer: Viewer }) {
   const { info } = viewer;
   const { report } = info;
@@ -59,10 +66,11 @@ export function ReportPanel({ viewer }: { viewer: Viewer }) {
     if (!begun.current || viewer.markers.peek().length) viewer.markers.value = places;
     begun.current = true;
   }, [viewer, known, places]);
-  // The marks stay when the panel is closed, so that they can be looked at, but not behind another panel.
+  // The marks go with the panel. On phones, where it lies over them, they stay until another one is opened.
   useEffect(
     () => () => {
-      if (viewer.panel.peek() !== null && viewer.panel.peek() !== "report") viewer.markers.value = [];
+      const panel = viewer.panel.peek();
+      if (panel !== "report" && (panel || !on_phone.peek())) viewer.markers.value = [];
     },
     [viewer],
   );
@@ -77,7 +85,7 @@ export function ReportPanel({ viewer }: { viewer: Viewer }) {
       {places.length > 0 && (
         <label class="check">
           <input type="checkbox" checked={marked} onChange={() => (viewer.markers.value = marked ? [] : places)} />
-          Mark {plural(places.length, "place")} in the views
+          Mark {plural(places.length, "place")} in the views{marks_of(focus)}
         </label>
       )}
       {findings && <FindingsList viewer={viewer} findings={findings} on_focus={set_focus} />}

@@ -25,7 +25,7 @@ const TABS: readonly Tab[] = [
   { panel: "report", label: "Report", Content: ReportPanel },
   { panel: "box", label: "Box", Content: BoxPanel },
   { panel: "leaves", label: "Leaves", Content: LeavesPanel },
-  { panel: "share", label: "Share", Content: SharePanel },
+  { panel: "share", label: "Link", Content: SharePanel },
   { panel: "status", label: "Status", Content: StatusPanel, shown: () => !is_alone() },
 ];
 

@@ -1,7 +1,7 @@
 // The cells of the box as a file, or as lines that fetch them.
 import { save_blob } from "../base/download";
 import { bytes_text, grouped, product } from "../base/format";
-import { AXES } from "../base/grid";
+import { AXES, type Material } from "../base/grid";
 import { quoted } from "../base/shell";
 import { get, has_token, server_root } from "../server/api";
 import { is_read_here } from "../server/transport";
@@ -13,13 +13,22 @@ import { use_task } from "../widgets/task";
 const MOST = 2n ** 32n; // cells that the server sends
 const MOST_HELD = 512n << 20n; // bytes that the page holds, where a token has to be sent or there is no server
 
+const FEW = 12; // materials that fit a comment
+
+// Which number is which material. Where there are many, `address` has all of them.
+export const numbers_comment = (materials: readonly Material[], address: string): string => {
+  const named = materials.slice(0, FEW).map(({ id, name }) => `${id} ${name.replace(/\s+/g, " ")}`);
+  return `# ${named.join(", ")}${materials.length > FEW ? ` and ${grouped(materials.length - FEW)} more: ${address}` : ""}`;
+};
+
 // Lines of Python that fetch a box: NumPy and the standard library are enough.
-export const box_snippet = (address: string): string =>
+export const box_snippet = (address: string, numbers: string): string =>
   [
     "import io, urllib.request",
     "import numpy",
     `answer = urllib.request.urlopen("${address}")`,
     "cells = numpy.load(io.BytesIO(answer.read()))  # [z, y, x], numbers of materials",
+    numbers,
   ].join("\n");
 
 // A link where the browser can fetch the file by itself; where a token has to go along, a button.
@@ -51,7 +60,8 @@ export function TakeOut({ viewer, box }: { viewer: Viewer; box: Box }) {
   const here = is_read_here(viewer.info.id);
   const held = here || has_token();
   const vtk = viewer.axes.some((axis) => axis.graded) ? "vtr" : "vti";
-  const lines = box_snippet(`${server_root()}/${viewer.address.box("npy", box)}`);
+  const numbers = numbers_comment(viewer.info.materials, `${server_root()}/api/v1/grids/${encodeURIComponent(viewer.info.id)}`);
+  const lines = box_snippet(`${server_root()}/${viewer.address.box("npy", box)}`, numbers);
   const fits = cells <= MOST && (!held || bytes <= MOST_HELD);
   return (
     <section>
