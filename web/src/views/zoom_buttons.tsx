@@ -1,4 +1,5 @@
-// The buttons of a slice view that zoom. Their titles say what the wheel does here, which is not what it does in three dimensions.
+// The buttons of a slice view that zoom. Their titles say what the wheel does here, which is not what it does in three dimensions. The tab key
+// passes them by: the view itself, where it has just been, takes their keys.
 import type { Viewer } from "../state/viewer";
 import { ZOOM_STEP } from "../state/zoom";
 import { Icon, type IconName } from "../widgets/icons";
@@ -8,7 +9,7 @@ const WHEEL = "The wheel alone goes through the slices.";
 
 export function ZoomButtons({ viewer, zoom }: { viewer: Viewer; zoom: (factor: number) => void }) {
   const button = (icon: IconName, label: string, title: string, click: () => void) => (
-    <button aria-label={label} title={title} onClick={click}>
+    <button tabIndex={-1} aria-label={label} title={title} onClick={click}>
       <Icon name={icon} />
     </button>
   );
