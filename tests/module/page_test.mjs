@@ -298,6 +298,7 @@ test("a file that is given to a served page does not take the place of a served 
   await page.waitForSelector(".card h2");
   await page.locator("input[type=file]").setInputFiles({ name: "mixed.tcell", mimeType: "", buffer: readFileSync(grid_file("before")) });
   await page.waitForFunction(() => window.teracell?.viewer.info.id === "mixed-2");
+  await page.getByText("mixed.tcell is “mixed-2” here: there is another “mixed”.").waitFor();
   const materials = () => page.evaluate(() => teracell.viewer.info.materials.length);
   const own = await materials();
   await page.evaluate(() => (location.hash = "#g=mixed"));

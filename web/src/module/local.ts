@@ -147,7 +147,7 @@ export class LocalGrids {
       note_read_here(id, place.kind !== "file");
       return { id };
     } catch (error) {
-      const wrong = words_of(error);
+      const wrong = words_of(error).replace(`${as}: `, `${name}: `); // its own name is known to whoever has the file
       this.unreadable.push({ id: stem, error: wrong });
       return { wrong };
     }

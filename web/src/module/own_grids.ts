@@ -93,8 +93,13 @@ export async function open_files(files: readonly File[]): Promise<void> {
   const taken = new Set(served.map(({ id }) => id));
   for (const file of perhaps) {
     const added = await grids.add(() => ({ kind: "file", file, name: file.name }), file.name, null, taken);
-    if ("id" in added) last = added.id;
-    else say(`${file.name} can't be read`, { detail: added.wrong });
+    if ("wrong" in added) {
+      say(`${file.name} can't be read`, { detail: added.wrong });
+      continue;
+    }
+    last = added.id;
+    const stem = stem_of(file.name);
+    if (last.startsWith(`${stem}-`)) say(`${file.name} is “${last}” here: there is another “${stem}”.`);
   }
   ask_again();
   if (last !== null) location.hash = `#g=${encodeURIComponent(last)}`;
