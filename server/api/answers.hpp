@@ -20,6 +20,7 @@
   answer(kLeavesAnswer) \
   answer(kLeavesJsonAnswer) \
   answer(kDiffAnswer) \
+  answer(kChangedAnswer) \
   answer(kViewPngAnswer) \
   answer(kViewBinAnswer) \
   answer(kViewJsonAnswer)

@@ -13,13 +13,13 @@ constexpr int64_t kTile = 32;  // pixels along a side
 
 }  // namespace
 
-Caster::Caster(const GridReader& reader, const Prepared& prepared, const Aim& aim, int threads)
-    : reader_(reader),
+Caster::Caster(const Viewed& viewed, const Prepared& prepared, const Aim& aim, int threads)
+    : reader_(viewed.reader),
       aim_(aim),
       threads_(threads),
-      subject_{reader, prepared.visible, prepared.occupancy, aim.cuts, aim.level},
-      openness_(reader.meta().grid, prepared.density, aim.cuts),
-      shading_(reader.meta().grid, aim.camera, openness_, aim.cuts, aim.level) {
+      subject_{viewed, prepared.visible, prepared.occupancy, aim.cuts, aim.level},
+      openness_(reader_.meta().grid, prepared.density, aim.cuts),
+      shading_(reader_.meta().grid, aim.camera, openness_, aim.cuts, aim.level) {
   for (int i = 0; i < threads; ++i) hits_.emplace_back(subject_, aim.camera);
 }
 

@@ -25,7 +25,7 @@ class Caster {
  public:
   using Progress = std::function<void(double share)>;
   // Keeps references. Calls throw what Wanted throws.
-  Caster(const GridReader& reader, const Prepared& prepared, const Aim& aim, int threads);
+  Caster(const Viewed& viewed, const Prepared& prepared, const Aim& aim, int threads);
 
   // One line of sight through the middle of each pixel. `progress` is called on this thread.
   Samples cast(const Window& window, const Progress& progress);

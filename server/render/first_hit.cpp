@@ -7,7 +7,6 @@ namespace teracell::server {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr size_t kKept = 256;         // chunks that a thread finds without asking others
 constexpr double kParallel = 1e-290;  // what is less counts as 0, so that the inverse is finite
 
 double widest_cell(const Axis& axis) {
@@ -22,11 +21,12 @@ double widest_cell(const Axis& axis) {
 FirstHits::FirstHits(const Subject& subject, const Camera& camera)
     : subject_(subject),
       camera_(camera),
-      grid_(subject.reader.meta().grid),
+      grid_(subject.viewed.reader.meta().grid),
       cells_(grid_.cells()),
-      frame_(subject.reader.meta().frame()),
-      kept_(kKept) {
-  const GridReader& reader = subject.reader;
+      frame_(subject.viewed.reader.meta().frame()),
+      shown_(subject.viewed.reader, subject.visible) {
+  const GridReader& reader = subject.viewed.reader;
+  if (subject.viewed.against) differing_ = std::make_unique<Differing>(reader, *subject.viewed.against, subject.visible.shows_damage());
   const int drawn = subject.level.value_or(0);
   double widest = 0;
   for (const Axis& axis : grid_.axis) widest = std::max(widest, widest_cell(axis));
@@ -37,7 +37,6 @@ FirstHits::FirstHits(const Subject& subject, const Camera& camera)
       rungs_.push_back(reader.shape(level));
       widest_.push_back(std::ldexp(widest, level));
     }
-  last_.resize(rungs_.size());
 }
 
 double FirstHits::time(int axis, int64_t plane) const {
@@ -144,14 +143,14 @@ bool FirstHits::pass(size_t rung, const Index3& cell, double t0, double t1) {
 // A cell that is drawn. If several of its labels are visible, that which is seen of them; where the line meets none of them, the strongest.
 bool FirstHits::take(size_t rung, const Index3& cell, double t0, double t1) {
   const uint32_t of = seen(rung, cell);
-  if (of == 0) return false;
+  if (of == 0 || of == Differing::kAlike) return false;
   const bool is_damaged = of == Visible::kDamaged, is_last = rung + 1 == rungs_.size();
   if (is_damaged && !is_last) return pass(rung, cell, t0, t1);  // what can't be read on one level may be known on the next one
   if (of == Visible::kSeveral && !is_last) {
     to_the_end_ = true;
     const bool found = descend(rung, cell, t0, t1);
     to_the_end_ = false;
-    if (found) return true;
+    if (found || differing_) return found;
   }
   hit_ = Hit{t0,
              is_damaged                ? subject_.visible.damage()
@@ -180,54 +179,16 @@ bool FirstHits::occupied(size_t rung, const Index3& cell) {
   return seen(rung, cell) != 0;
 }
 
-FirstHits::Place FirstHits::place(size_t rung, const Index3& cell) {
-  const LevelShape& shape = rungs_[rung];
-  const auto u = static_cast<uint32_t>(cell[frame_.u]), v = static_cast<uint32_t>(cell[frame_.v]), w = static_cast<uint32_t>(cell[frame_.w]);
-  const uint32_t cu = u / shape.chunk_rays, cv = v / shape.chunk_rays, segment = w / shape.chunk_cells;
-  const Known& chunk = known(rung, {shape.level, cu, cv, segment});
-  return {chunk, (v - cv * shape.chunk_rays) * shape.rays_u(cu) + (u - cu * shape.chunk_rays), w - segment * shape.chunk_cells};
-}
-
 // Visible::of() the set of a cell.
 uint32_t FirstHits::seen(size_t rung, const Index3& cell) {
-  const Place p = place(rung, cell);
-  if (!p.known.chunk) return p.known.all;
-  const SetId set = p.known.chunk->rays.set_at(p.ray, p.at);
-  const uint32_t labels = p.known.chunk->sets.labels();
-  return set < labels ? subject_.visible.of(Label{set}) : p.known.of_sets[set - labels];
-}
-
-const FirstHits::Known& FirstHits::known(size_t rung, const ChunkKey& key) {
-  if (const Known& last = kept_[last_[rung]]; last.key == key) return last;
-  const size_t place = ChunkKeyHash()(key) % kept_.size();
-  last_[rung] = place;
-  Known& out = kept_[place];
-  if (out.key == key) return out;
-  out = Known{};
-  try {
-    if (const auto set = subject_.reader.uniform(key)) {
-      out.all = subject_.visible.of(*set);
-      out.set = *set;
-    } else {
-      out.chunk = subject_.reader.chunk(key, scratch_);
-      scratch_.reset();  // without a keeper it would be overwritten
-      const SetTable& sets = out.chunk->sets;
-      for (uint32_t id = sets.labels(); id < sets.ids(); ++id) out.of_sets.push_back(subject_.visible.of(sets.members(id)));
-    }
-  } catch (const FormatError&) {
-    if (!subject_.visible.shows_damage()) throw;
-    out = Known{};
-    out.all = Visible::kDamaged;
-  }
-  out.key = key;  // last, so that an error leaves nothing
-  return out;
+  const int level = rungs_[rung].level;
+  return differing_ ? differing_->at(level, cell) : shown_.at(level, cell);
 }
 
 Label FirstHits::strongest(size_t rung, const Index3& cell) {
-  const Place p = place(rung, cell);
-  std::vector<Label> set = p.known.chunk ? p.known.chunk->sets.members(p.known.chunk->rays.set_at(p.ray, p.at)) : p.known.set;
+  std::vector<Label> set = shown_.labels(rungs_[rung].level, cell);
   std::erase_if(set, [&](Label label) { return !subject_.visible(label); });
-  const Metadata& meta = subject_.reader.meta();
+  const Metadata& meta = subject_.viewed.reader.meta();
   return *std::ranges::min_element(set, {}, [&](Label label) { return meta.materials[meta.labels[label].material].rank; });
 }
 

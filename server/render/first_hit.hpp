@@ -10,6 +10,7 @@
 
 #include "server/render/camera.hpp"
 #include "server/render/cut.hpp"
+#include "server/render/cells/differing.hpp"
 #include "server/render/occupancy.hpp"
 
 namespace teracell::server {
@@ -22,9 +23,9 @@ struct Hit {
   int level;
 };
 
-// What is drawn of a grid.
+// What is drawn of a grid, or of what differs from another one; `visible` is then of what differs.
 struct Subject {
-  const GridReader& reader;
+  Viewed viewed;
   const Visible& visible;
   const Occupancy& occupancy;
   const Cuts& cuts;
@@ -39,14 +40,6 @@ class FirstHits {
   std::optional<Hit> first(const Sight& sight);
 
  private:
-  // What is known of a chunk: its cells, or the set of all of them.
-  struct Known {
-    ChunkKey key{-1, 0, 0, 0};
-    std::shared_ptr<const Chunk> chunk;
-    uint32_t all = 0;                // Visible::of(), when there is no chunk
-    std::vector<uint32_t> of_sets;   // Visible::of(), of those of several labels
-    std::vector<Label> set;          // when there is no chunk
-  };
   // What is left of a line of sight between two cuts.
   struct Stretch {
     double begin, end;
@@ -66,12 +59,6 @@ class FirstHits {
   bool take(size_t rung, const Index3& cell, double t0, double t1);
   uint32_t seen(size_t rung, const Index3& cell);
   bool occupied(size_t rung, const Index3& cell);
-  const Known& known(size_t rung, const ChunkKey& key);
-  struct Place {
-    const Known& known;
-    uint32_t ray, at;  // of the chunk
-  };
-  Place place(size_t rung, const Index3& cell);
   bool is_drawn(size_t rung, double t) const;
   Label strongest(size_t rung, const Index3& cell);
   int face_of(size_t rung, const Index3& cell, double t0) const;
@@ -83,9 +70,8 @@ class FirstHits {
   const RayFrame frame_;
   std::vector<LevelShape> rungs_;  // from one cell down to level 0
   std::vector<double> widest_;     // cell of a rung, along any axis
-  std::vector<Known> kept_;
-  std::vector<size_t> last_;       // of each rung, in kept_
-  std::shared_ptr<Chunk> scratch_;
+  NumberedCells<const Visible> shown_;
+  std::unique_ptr<Differing> differing_;  // null: what the grid shows
   Line line_;
   std::vector<Stretch> stretches_, shorter_;
   size_t drawn_ = 0;         // the rung of subject_.level

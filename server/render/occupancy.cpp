@@ -16,14 +16,45 @@ Occupancy::Bits::Bits(const LevelShape& shape)
     : nu(shape.nu), nv(shape.nv), nw(shape.nw), per_ray(words_per_ray(nw)), words(size_t{nu} * nv * per_ray) {}
 
 Occupancy::Occupancy(const GridReader& reader, const Visible& visible, int level, int threads) : first_(level) {
+  size_for(reader);
+  read(reader, visible, threads);
+  for (size_t i = 1; i < levels_.size(); ++i) halve(levels_[i - 1], levels_[i]);
+}
+
+Occupancy::Occupancy(const GridReader& reader, int level, const std::function<uint32_t(int, const Index3&)>& seen) : first_(level) {
+  size_for(reader);
+  const RayFrame frame = reader.meta().frame();
+  Bits& bits = levels_.front();
+  std::function<void(int, const Index3&)> fill = [&](int at, const Index3& cell) {
+    if (seen(at, cell) == 0) return;
+    if (at == first_) {
+      const size_t w = static_cast<size_t>(cell[frame.w]);
+      bits.words[(static_cast<size_t>(cell[frame.v]) * bits.nu + static_cast<size_t>(cell[frame.u])) * bits.per_ray + w / 64] |= uint64_t{1}
+                                                                                                                                 << (w % 64);
+      return;
+    }
+    Wanted::stop_if_not();
+    int finer = at - 1;
+    while (finer > first_ && !reader.stored(finer)) --finer;
+    const Index3 n = reader.meta().grid.cells(finer);
+    const int shift = at - finer;
+    Index3 lo, hi, c;
+    for (int d = 0; d < 3; ++d) lo[d] = cell[d] << shift, hi[d] = std::min((cell[d] + 1) << shift, n[d]);
+    for (c[2] = lo[2]; c[2] < hi[2]; ++c[2])
+      for (c[1] = lo[1]; c[1] < hi[1]; ++c[1])
+        for (c[0] = lo[0]; c[0] < hi[0]; ++c[0]) fill(finer, c);
+  };
+  fill(reader.levels() - 1, {0, 0, 0});
+  for (size_t i = 1; i < levels_.size(); ++i) halve(levels_[i - 1], levels_[i]);
+}
+
+void Occupancy::size_for(const GridReader& reader) {
   const auto too_many = [&] {
     const LevelShape shape = reader.shape(first_);
     return double{1} * shape.nu * shape.nv * static_cast<double>(words_per_ray(shape.nw)) > kMostWords;
   };
   while (too_many()) ++first_;
   for (int l = first_; l < reader.levels(); ++l) levels_.emplace_back(reader.shape(l));
-  read(reader, visible, threads);
-  for (size_t i = 1; i < levels_.size(); ++i) halve(levels_[i - 1], levels_[i]);
 }
 
 void Occupancy::read(const GridReader& reader, const Visible& visible, int threads) {

@@ -1,8 +1,9 @@
 // Where anything visible is: a bit for each cell of a level, and of all coarser ones. It takes 20 MB at most, whatever the grid.
 #pragma once
 #include <bit>
+#include <functional>
 
-#include "server/render/visible.hpp"
+#include "server/render/cells/visible.hpp"
 #include "store/read/reader.hpp"
 
 namespace teracell::server {
@@ -11,6 +12,8 @@ class Occupancy {
  public:
   // Reads one level: the finest, from `level` on, whose bits are not too many.
   Occupancy(const GridReader& reader, const Visible& visible, int level, int threads);
+  // The same of the cells of which seen(level, cell) is not 0. Of others no finer cell is asked for.
+  Occupancy(const GridReader& reader, int level, const std::function<uint32_t(int, const Index3&)>& seen);
 
   int level() const { return first_; }  // the finest that there are bits of
   // REQUIRES: level() <= level < reader.levels(), and the cell, by (u, v, w) of the grid's rays, lies in it.
@@ -34,6 +37,7 @@ class Occupancy {
     explicit Bits(const LevelShape& shape);
   };
   static constexpr size_t kMostWords = size_t{1} << 21;
+  void size_for(const GridReader& reader);
   void read(const GridReader& reader, const Visible& visible, int threads);
   void halve(const Bits& fine, Bits& coarse) const;
 

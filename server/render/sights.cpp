@@ -76,9 +76,9 @@ class Encoder {
 
 }  // namespace
 
-std::string encode_sights(const GridReader& reader, const Prepared& prepared, const Aim& aim, const Window& window, bool quick, int threads,
+std::string encode_sights(const Viewed& viewed, const Prepared& prepared, const Aim& aim, const Window& window, bool quick, int threads,
                           const Caster::Progress& progress) {
-  Caster caster(reader, prepared, aim, threads);
+  Caster caster(viewed, prepared, aim, threads);
   const Samples samples = caster.cast(caster.with_margin(window), [&](double share) { progress(0.7 * share); });
   const Distances distances(samples, window, aim.camera.perspective);
   const auto pixels = static_cast<size_t>(window.width() * window.height());
@@ -107,7 +107,7 @@ std::string encode_sights(const GridReader& reader, const Prepared& prepared, co
   for (const auto& list : found) edges.insert(edges.end(), list.begin(), list.end());
   std::ranges::sort(edges, {}, &Edge::at);
 
-  Encoder encoder(reader.meta().labels.size(), window.width());
+  Encoder encoder(prepared.visible.damage(), window.width());
   for (const char c : std::string_view("TCS1")) encoder.out.push_back(static_cast<uint8_t>(c));
   put_fixed(encoder.out, static_cast<uint32_t>(window.width()));
   put_fixed(encoder.out, static_cast<uint32_t>(window.height()));
@@ -132,8 +132,8 @@ std::string encode_sights(const GridReader& reader, const Prepared& prepared, co
   return {reinterpret_cast<const char*>(encoder.out.data()), encoder.out.size()};
 }
 
-std::optional<Hit> seen_at(const GridReader& reader, const Prepared& prepared, const Aim& aim, double x, double y) {
-  const Subject subject{reader, prepared.visible, prepared.occupancy, aim.cuts, aim.level};
+std::optional<Hit> seen_at(const Viewed& viewed, const Prepared& prepared, const Aim& aim, double x, double y) {
+  const Subject subject{viewed, prepared.visible, prepared.occupancy, aim.cuts, aim.level};
   return FirstHits(subject, aim.camera).first(aim.camera.sight(x, y));
 }
 

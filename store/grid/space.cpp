@@ -11,17 +11,28 @@ namespace {
 using nlohmann::ordered_json;
 
 struct Unit {
-  const char *ours, *name;
+  std::string_view ours;
+  const char* name;
   double nanometres;
 };
 constexpr Unit kUnits[] = {{"m", "meter", 1e9},    {"cm", "centimeter", 1e7}, {"mm", "millimeter", 1e6}, {"um", "micrometer", 1e3},
                            {"nm", "nanometer", 1}, {"in", "inch", 2.54e7},    {"ft", "foot", 3.048e8}};
 
+const Unit* known_unit(std::string_view name) {
+  const auto known = std::ranges::find(kUnits, name, &Unit::ours);
+  return known == std::end(kUnits) ? nullptr : known;
+}
+
 }  // namespace
 
+std::optional<double> nanometres_of(std::string_view unit) {
+  const Unit* const known = known_unit(unit);
+  return known ? std::optional(known->nanometres) : std::nullopt;
+}
+
 Space::Space(const Metadata& meta) : index(true), unit(""), nanometres(1), grid_(meta.grid) {
-  const auto known = std::ranges::find(kUnits, meta.units, [](const Unit& u) { return std::string(u.ours); });
-  if (known == std::end(kUnits) || std::ranges::any_of(meta.grid.axis, &Axis::is_graded)) return;
+  const Unit* const known = known_unit(meta.units);
+  if (!known || std::ranges::any_of(meta.grid.axis, &Axis::is_graded)) return;
   index = false;
   unit = known->name;
   nanometres = known->nanometres;

@@ -7,11 +7,17 @@
 // graded, all three axes count cells ("index space"): step(L) = 2^L, and cell 0 of level 0 is at 0. The same holds for a file
 // whose unit is not known.
 #pragma once
+#include <optional>
+#include <string_view>
+
 #include <nlohmann/json_fwd.hpp>
 
 #include "store/grid/metadata.hpp"
 
 namespace teracell::inline store {
+
+// Per unit of lengths, by its name in the file; none when it is not known.
+std::optional<double> nanometres_of(std::string_view unit);
 
 struct Space {
   explicit Space(const Metadata& meta);

@@ -40,6 +40,25 @@ TEST_CASE("What differs is counted by pair of names, cell by cell, whatever the 
     CHECK(found["same"] == same);
     REQUIRE(found["changes"].size() == expected.size());
     for (const json& change : found["changes"]) CHECK(change["cells"] == expected.at({change["from"], change["to"]}));
+    // The nearest cell of a change, against a search through all cells.
+    const Index3 n = grid().cells(), near = {n[0] / 2, n[1] / 2, n[2] / 2};
+    const auto away = [&](const Index3& c) {
+      return (c[0] - near[0]) * (c[0] - near[0]) + (c[1] - near[1]) * (c[1] - near[1]) + (c[2] - near[2]) * (c[2] - near[2]);
+    };
+    for (const bool in_slice : {false, true}) {
+      std::optional<Index3> best;
+      Index3 c;
+      size_t i = 0;
+      for (c[2] = 0; c[2] < n[2]; ++c[2])
+        for (c[1] = 0; c[1] < n[1]; ++c[1])
+          for (c[0] = 0; c[0] < n[0]; ++c[0], ++i)
+            if (s.cells[i] == 1 && other[i] == 2 && (!in_slice || c[1] == near[1]) && (!best || away(c) < away(*best))) best = c;
+      const auto name_of = [&](const char* id, Label label) { return percent_encoded(name(id, label)); };
+      const json nearest = s.parsed(fmt::format("/api/v1/grids/g/changed?with=h&from={}&to={}&cell={},{},{}{}", name_of("g", 1), name_of("h", 2),
+                                                near[0], near[1], near[2], in_slice ? "&across=y" : ""))["cell"];
+      REQUIRE(nearest.is_null() == !best.has_value());
+      if (best) CHECK(away(nearest.get<Index3>()) == away(*best));
+    }
   }
 }
 

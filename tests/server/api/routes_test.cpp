@@ -143,6 +143,9 @@ TEST_CASE("Values that are malformed or out of range get 400 with a message that
                                                                    g + "/diff",
                                                                    g + "/diff?with=g&with=g",
                                                                    g + "/diff?with=g&level=1",
+                                                                   g + "/changed?with=g&from=a&to=b",
+                                                                   g + "/changed?with=g&from=a&to=b&cell=0,0,21",
+                                                                   g + "/view.bin?size=9,9&against=g&labels=1",
                                                                    "/%",
                                                                    g + "/stats?a%00=1"}) {
     INFO(bad);
@@ -150,10 +153,26 @@ TEST_CASE("Values that are malformed or out of range get 400 with a message that
     REQUIRE(r.status == 400);
     REQUIRE(json::parse(*r.body)["error"]["code"] == "bad_request");
   }
-  for (const std::string& missing : std::initializer_list<std::string>{
-           "/nothing", "/api", "/api/v2/grids", "/api/v1/grids/h", "/api/v1/grids/..", "/api/v1/grids/g.tcell", "/api/v1/grids/%2e%2e%2fg",
-           g + "/tile/z/0/0/1_0.png", g + "/tile/z/0/0/0_2.png", g + "/tile/z/0/0/0_0.jpg", g + "/slice/z/0.jpg", g + "/diff?with=h",
-           g + "/diff?with=..", g + "/diff?with=", g + "/nothing", g + "/", g + "?v=0123", "/index.html"}) {
+  for (const std::string& missing : std::initializer_list<std::string>{"/nothing",
+                                                                       "/api",
+                                                                       "/api/v2/grids",
+                                                                       "/api/v1/grids/h",
+                                                                       "/api/v1/grids/..",
+                                                                       "/api/v1/grids/g.tcell",
+                                                                       "/api/v1/grids/%2e%2e%2fg",
+                                                                       g + "/tile/z/0/0/1_0.png",
+                                                                       g + "/tile/z/0/0/0_2.png",
+                                                                       g + "/tile/z/0/0/0_0.jpg",
+                                                                       g + "/slice/z/0.jpg",
+                                                                       g + "/diff?with=h",
+                                                                       g + "/diff?with=..",
+                                                                       g + "/diff?with=",
+                                                                       g + "/changed?with=h&from=a&to=b&cell=0,0,0",
+                                                                       g + "/view.bin?size=9,9&against=h",
+                                                                       g + "/nothing",
+                                                                       g + "/",
+                                                                       g + "?v=0123",
+                                                                       "/index.html"}) {
     INFO(missing);
     REQUIRE(s.get(missing).status == 404);
   }

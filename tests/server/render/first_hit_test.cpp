@@ -1,6 +1,7 @@
 // The first cell on a line of sight, against a search through all cells.
 #include "server/render/first_hit.hpp"
 
+#include "server/render/prepared.hpp"
 #include "store/read/kept_chunks.hpp"
 #include "tests/support/meshed.hpp"
 #include "tests/support/stored.hpp"
@@ -202,6 +203,80 @@ TEST_CASE("the first visible cell of a line of sight is that of a search through
     }
   }
   CHECK(found > 1000);
+}
+
+TEST_CASE("the first cell that differs is that of a search through all cells, whatever axes, chunks, level, cells and units of the second grid",
+          "[render]") {
+  std::mt19937_64 random(1902);
+  constexpr uint32_t kLabels = 4;
+  std::array<int, 3> found{};
+  for (int round = 0; round < 24; ++round) {
+    CAPTURE(round);
+    const auto side = [&] { return static_cast<int64_t>(1 + random() % 14); };
+    const bool equal = round % 2 == 0;
+    const Index3 n = {side(), side(), side()};
+    const Grid grid = {{random_axis(random, n[0]), random_axis(random, n[1]), random_axis(random, n[2])}};
+    const Scene scene{grid, random_cells(random, n, kLabels)};
+    Scene other = scene;
+    if (equal) {
+      for (Label& cell : other.cells)
+        if (random() % 4 == 0) cell = static_cast<Label>(random() % kLabels);
+    } else {  // it reaches less far on one side, and farther on the other one, in tenths of the unit
+      const Index3 m = {side(), side(), side()};
+      for (int d = 0; d < 3; ++d) {
+        const double lo = grid.axis[d].min(), length = grid.axis[d].max() - lo;
+        other.grid.axis[d] = Axis::uniform(10 * (lo + 0.1 * length), 10 * length / static_cast<double>(m[d]), 0, m[d], 0.5);
+      }
+      other.cells = random_cells(random, m, kLabels);
+    }
+    Metadata a = metadata_of(scene.grid, round % 3, kLabels), b = metadata_of(other.grid, static_cast<int>(random() % 3), kLabels);
+    a.units = "cm", b.units = equal ? "cm" : "mm";
+    std::swap(b.materials[2].name, b.materials[3].name);  // materials are known by their names
+    if (round % 4 < 2) b = with_tiny_chunks(b);
+    const GridReader left = reader_of(a, scene.cells), right = reader_of(b, other.cells);
+    const auto names_there = [&](const Index3& c) {
+      if (equal) return std::set{b.materials[other.at(c)].name};
+      std::set<std::string> out;
+      Index3 at;
+      const Index3 m = other.grid.cells();
+      for (at[2] = 0; at[2] < m[2]; ++at[2])
+        for (at[1] = 0; at[1] < m[1]; ++at[1])
+          for (at[0] = 0; at[0] < m[0]; ++at[0]) {
+            bool meets = true;
+            for (int d = 0; d < 3; ++d) {
+              const Axis &p = grid.axis[d], &q = other.grid.axis[d];
+              const double lo = 10 * p.plane(c[d]), hi = 10 * p.plane(c[d] + 1), slack = 1e-9 * (hi - lo);
+              meets = meets && q.plane(at[d]) < hi - slack && q.plane(at[d] + 1) > lo + slack;
+            }
+            if (meets) out.insert(b.materials[other.at(at)].name);
+          }
+      return out;
+    };
+    const auto kind_of = [&](const Index3& c) -> std::optional<Label> {
+      const std::string &air = a.materials[0].name, here = a.materials[scene.at(c)].name;
+      const std::set<std::string> there = names_there(c);
+      if (there.empty() || there.contains(here)) return std::nullopt;
+      return here == air ? kCellAdded : there == std::set{air} ? kCellRemoved : kCellOther;
+    };
+    const Prepared prepared(left, right, static_cast<int>(random() % 2) % left.levels(), false);
+    const Cuts cuts = random_cuts(random, scene.grid);
+    const Subject subject{{left, &right}, prepared.visible, prepared.occupancy, cuts, 0};
+    const Camera camera{};
+    FirstHits hits(subject, camera);
+    for (int i = 0; i < 150; ++i) {
+      const Sight sight = random_sight(random, scene.grid);
+      CAPTURE(i, sight.from[0], sight.from[1], sight.from[2], sight.along[0], sight.along[1], sight.along[2]);
+      const auto [t, cell] = first_by_search(scene.grid, 0, sight, cuts, [&](const Index3& c) { return kind_of(c).has_value(); });
+      const auto hit = hits.first(sight);
+      REQUIRE(hit.has_value() == std::isfinite(t));
+      if (!hit) continue;
+      REQUIRE(hit->t == t);
+      REQUIRE(hit->cell == cell);
+      REQUIRE(hit->label == kind_of(cell));
+      ++found[hit->label];
+    }
+  }
+  for (const int some : found) CHECK(some > 100);
 }
 
 TEST_CASE("cells that take at most a quarter of a pixel are drawn unless a level is asked for", "[render]") {

@@ -19,7 +19,7 @@ function labels_at({ viewer, views, store, sets }: Stage, axis: AxisIndex, point
 }
 
 // Added is what only the grid on the right has.
-export function DifferenceMarks({ changed = true }: { changed?: boolean }) {
+export function DifferenceMarks() {
   return (
     <>
       <span>
@@ -28,11 +28,9 @@ export function DifferenceMarks({ changed = true }: { changed?: boolean }) {
       <span>
         <span class="mark-of removed" /> removed
       </span>
-      {changed && (
-        <span>
-          <span class="mark-of differs" /> other material
-        </span>
-      )}
+      <span>
+        <span class="mark-of differs" /> other material
+      </span>
     </>
   );
 }

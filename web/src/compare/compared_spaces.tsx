@@ -3,6 +3,7 @@ import type { Signal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import { coordinate } from "../base/format";
 import { AXES, AXIS_NAMES } from "../base/grid";
+import { unequal_cells } from "../state/comparison";
 import type { Comparison } from "../state/viewer";
 import { OverviewPanel } from "../views/overview_panel";
 import { ToolNote } from "../views/views";
@@ -52,8 +53,11 @@ export function ComparedPoint({ pair, comparison }: { pair: Pair; comparison: Si
       </div>
       {comparison.value.mode === "differs" && (
         <p class="comparison-marks">
-          <DifferenceMarks changed={false} />
-          <span class="faint">The surfaces of each material, also within others. What both have is a veil.</span>
+          <DifferenceMarks />
+          <span class="faint">
+            {unequal_cells(left.viewer.info, right.viewer.info) ? "What lies within a cell of the coarser grid is the same." : "Compared cell by cell."} Through a veil of{" "}
+            {left.viewer.info.id}.
+          </span>
         </p>
       )}
     </section>

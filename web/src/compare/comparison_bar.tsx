@@ -1,7 +1,7 @@
 // What is compared with what, and how.
 import type { Signal } from "@preact/signals";
 import { AXES, AXIS_NAMES, type AxisIndex, type GridSummary } from "../base/grid";
-import { new_comparison } from "../state/comparison";
+import { change_comparison, end_comparison, new_comparison } from "../state/comparison";
 import type { Comparison, ComparisonMode, Viewer } from "../state/viewer";
 import { Icon } from "../widgets/icons";
 import { type Segment, Segmented } from "../widgets/segmented";
@@ -10,7 +10,7 @@ import { Select } from "../widgets/select";
 const MODES: readonly Segment<ComparisonMode>[] = [
   { value: "side", text: "Side by side", title: "Two views with one camera" },
   { value: "wipe", text: "Wipe", title: "One on the other, up to a handle" },
-  { value: "differs", text: "What differs", title: "What was added and removed, and in slices what has another material" },
+  { value: "differs", text: "What differs", title: "What was added and removed, and what has another material" },
 ];
 const IN_SPACE = 3;
 const ACROSS: readonly Segment<AxisIndex | typeof IN_SPACE>[] = [
@@ -26,7 +26,7 @@ export function ComparisonBar({ viewer, comparison, grids }: { viewer: Viewer; c
   const own = viewer.info.id;
   const ids = [...new Set([...grids.map(({ id }) => id), own, now.other])];
   const choices = ids.map((id) => ({ value: id, label: id === own ? `${id} (another slice)` : id }));
-  const change = (what: Partial<Comparison>) => (comparison.value = { ...now, ...what });
+  const change = (what: Partial<Comparison>) => change_comparison(viewer, { ...now, ...what });
   const begin_anew = (other: string, axis: Comparison["axis"]) => {
     const { together, apart } = new_comparison(viewer, other, axis);
     change({ other, axis, together, apart, space: now.space && axis === now.axis });
@@ -53,7 +53,7 @@ export function ComparisonBar({ viewer, comparison, grids }: { viewer: Viewer; c
         <span>Move</span> together
       </label>
       <span class="spacer" />
-      <button class="button comparison-end" aria-label="End the comparison" onClick={() => (viewer.compare.value = null)}>
+      <button class="button comparison-end" aria-label="End the comparison" onClick={() => end_comparison(viewer)}>
         <Icon name="close" />
         <span>End</span>
       </button>

@@ -1,11 +1,13 @@
 // What differs over the whole of two grids of equal cells, counted by the server.
-import type { Signal } from "@preact/signals";
+import { type Signal, batch } from "@preact/signals";
 import { grouped, noun, percent, plural } from "../base/format";
-import { AXIS_NAMES, type Change, type Difference, type GridInfo } from "../base/grid";
+import { AXIS_NAMES, type Change, type Difference, type GridInfo, type Index3 } from "../base/grid";
+import { say, words_of } from "../base/messages";
 import { quoted } from "../base/shell";
 import { BoxText } from "../panels/places";
 import { FirstOf } from "../panels/first_of";
 import { use_answer } from "../server/answer";
+import { get_json } from "../server/api";
 import { unequal_cells } from "../state/comparison";
 import type { Comparison } from "../state/viewer";
 import { CodeLine } from "../widgets/copy";
@@ -35,15 +37,21 @@ function ChangeLine({ pair, comparison, change, all }: { pair: Pair; comparison:
   const [first, last] = [box[axis], box[axis + 3]! - 1];
   // The first and the last slice of the box certainly hold some of these cells.
   const places = [
-    { label: "first", slice: first },
-    { label: "middle", slice: Math.floor((first + last) / 2) },
-    { label: "last", slice: last },
+    { label: "first", slice: first, across: axis },
+    { label: "middle", slice: Math.floor((first + last) / 2), across: null },
+    { label: "last", slice: last, across: axis },
   ];
-  const go = (slice: number) => {
-    comparison.value = { ...comparison.value, together: true, apart: 0 };
-    viewer.box.value = box;
-    viewer.go_to_box(box);
-    viewer.set_slice(axis, slice);
+  // To a cell that has changed, of that slice or near it.
+  const go = async ({ slice, across }: (typeof places)[number]) => {
+    batch(() => {
+      comparison.value = { ...comparison.value, together: true, apart: 0 };
+      viewer.box.value = box;
+      viewer.go_to_box(box);
+      viewer.set_slice(axis, slice);
+    });
+    const here = viewer.cell.peek();
+    const { cell } = await get_json<{ cell: Index3 | null }>(viewer.address.changed(pair.right.viewer.info.id, change, here, across));
+    if (cell && viewer.cell.peek() === here) viewer.set_cell(cell); // unless somebody has moved on
   };
   return (
     <li class="change">
@@ -59,15 +67,15 @@ function ChangeLine({ pair, comparison, change, all }: { pair: Pair; comparison:
       </details>
       <p class="change-go">
         <span class="faint">Go to the</span>
-        {places.slice(0, first === last ? 1 : 3).map(({ label, slice }) => (
+        {places.slice(0, first === last ? 1 : 3).map((place) => (
           <button
-            key={label}
+            key={place.label}
             class="button small"
-            aria-label={`Go there: ${label} slice across ${AXIS_NAMES[axis]} where ${from} became ${to}`}
-            title={`Slice ${grouped(slice)} across ${AXIS_NAMES[axis]}`}
-            onClick={() => go(slice)}
+            aria-label={`Go there: ${place.label} slice across ${AXIS_NAMES[axis]} where ${from} became ${to}`}
+            title={`${place.across === null ? "A cell near slice" : "Slice"} ${grouped(place.slice)} across ${AXIS_NAMES[axis]}`}
+            onClick={() => void go(place).catch((error: unknown) => say(`The place can't be looked for: ${words_of(error)}.`))}
           >
-            {first === last ? "only" : label}
+            {first === last ? "only" : place.label}
           </button>
         ))}
         <span class="faint">slice across {AXIS_NAMES[axis]}</span>

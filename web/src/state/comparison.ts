@@ -24,14 +24,33 @@ export function axis_named(text: string | null): AxisIndex {
   return d < 0 ? 2 : (d as AxisIndex);
 }
 
+// Ends the comparison. The overview is as it was before; where nobody saw that, it shows everything.
+export function end_comparison(viewer: Viewer): void {
+  batch(() => {
+    viewer.compare.value = null;
+    viewer.orbit.value = viewer.before?.orbit ?? null;
+    viewer.bodies.value = viewer.before?.bodies ?? "cut";
+  });
+}
+
+// What differs is seen of whole bodies at first: cut open, much of it would be missing.
+export function change_comparison(viewer: Viewer, to: Comparison): void {
+  const shows = ({ space, mode }: Comparison) => space && mode === "differs";
+  batch(() => {
+    if (shows(to) && !(viewer.compare.value && shows(viewer.compare.value))) viewer.bodies.value = "whole";
+    viewer.compare.value = to;
+  });
+}
+
 // Opens or ends the comparison: with a grid of as many cells if there is one, or another one, or another slice.
 export function toggle_comparison(viewer: Viewer, grids: readonly GridSummary[]): void {
   const others = grids.filter(({ id }) => id !== viewer.info.id);
   const alike = others.find(({ cells }) => cells.every((n, d) => n === viewer.cells[d]));
   batch(() => {
     viewer.tool.value = "look";
-    if (viewer.compare.value) viewer.compare.value = null;
+    if (viewer.compare.value) end_comparison(viewer);
     else {
+      viewer.before = { orbit: viewer.orbit.value, bodies: viewer.bodies.value };
       if (viewer.shows_all()) viewer.zoom.value = 0; // all of both
       const comparison = new_comparison(viewer, (alike ?? others[0] ?? viewer.info).id, axis_named(viewer.layout.peek()));
       viewer.compare.value = { ...comparison, space: viewer.layout.peek() === "3d" && others.length > 0 };

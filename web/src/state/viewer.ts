@@ -95,6 +95,7 @@ export class Viewer {
 
   readonly layout = signal<Layout>("four");
   readonly compare = signal<Comparison | null>(null); // what the page shows in place of the views
+  before: { orbit: OrbitState | null; bodies: BodyMode } | null = null; // how the overview was before the comparison, if it was seen
   readonly help = signal(false); // whether the list of gestures and keys is shown
   readonly figure = signal(false); // whether the dialog that saves a figure is shown
   readonly going = signal(false); // whether the field for a place has the focus

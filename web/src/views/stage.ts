@@ -184,7 +184,8 @@ export class Stage {
 
   // Whether everything in sight is sharp and on the screen.
   idle(): boolean {
-    return !this.dirty && !this.viewer.arriving.value && this.laid_out() && this.viewer.zoom.value > 0 && this.views.every((view) => view.sharp);
+    const zoomed = this.viewer.zoom.value > 0 || this.visible.length === 0; // only slices settle it
+    return !this.dirty && !this.viewer.arriving.value && this.laid_out() && zoomed && this.views.every((view) => view.sharp);
   }
 
   // Whether the views have the sizes of the layout, which they get shortly after it changes.

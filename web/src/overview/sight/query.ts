@@ -33,14 +33,14 @@ export const PART = 384; // pixels along a side of what is asked for at once
 
 export type Get = (address: string) => Promise<Response>;
 
+export async function fetch_sights(viewer: Viewer, space: Space, query: string, get: Get): Promise<Sights> {
+  const response = await get(viewer.address.view("bin", `${query}&damage=1`));
+  return decode_sights(await response.arrayBuffer(), space.scale / to_file(viewer));
+}
+
 // What is seen of each layer of labels.
 export const fetch_layers = (viewer: Viewer, space: Space, layers: readonly (readonly number[])[], query: string, get: Get): Promise<Sights[]> =>
-  Promise.all(
-    (layers.length ? layers : [[]]).map(async (labels) => {
-      const response = await get(viewer.address.view("bin", `${query}&labels=${ranges(labels)}&damage=1`));
-      return decode_sights(await response.arrayBuffer(), space.scale / to_file(viewer));
-    }),
-  );
+  Promise.all((layers.length ? layers : [[]]).map((labels) => fetch_sights(viewer, space, `${query}${labels_query([labels])}`, get)));
 
 // What is seen at a point of a picture.
 export interface Seen {
@@ -53,11 +53,17 @@ export interface Seen {
   readonly material: number | null;
   readonly body: string | null;
 }
-// What is seen of some labels at a point in pixels. `name_of`: what a label is called there; null: what can't be read.
-export async function fetch_seen(viewer: Viewer, labels: readonly number[], query: string, x: number, y: number, signal: AbortSignal, name_of: (label: number | null) => string): Promise<Seen | null> {
-  const { seen } = await get_json<{ seen: Omit<Seen, "grid" | "name"> | null }>(viewer.address.view("json", `${query}&labels=${ranges(labels)}&level=0&damage=1&pixel=${x},${y}`), signal);
-  return seen && { ...seen, grid: viewer, name: name_of(seen.label), at: shown_point(viewer, seen.at), distance: seen.distance / to_file(viewer) };
+interface Answer extends Omit<Seen, "grid" | "name"> {
+  readonly from?: readonly string[]; // of what differs: the names of materials in this grid and in the other one
+  readonly to?: readonly string[];
 }
+// What is seen at a point in pixels. `name_of`: what that is called.
+export async function fetch_seen(viewer: Viewer, query: string, x: number, y: number, signal: AbortSignal, name_of: (seen: Answer) => string): Promise<Seen | null> {
+  const { seen } = await get_json<{ seen: Answer | null }>(viewer.address.view("json", `${query}&level=0&damage=1&pixel=${x},${y}`), signal);
+  return seen && { ...seen, grid: viewer, name: name_of(seen), at: shown_point(viewer, seen.at), distance: seen.distance / to_file(viewer) };
+}
+
+export const labels_query = (layers: readonly (readonly number[])[]): string => `&labels=${ranges(layers.flat().sort((a, b) => a - b))}`;
 
 const shown_point = (viewer: Viewer, [x, y, z]: readonly [number, number, number]): Vec3 => [x / to_file(viewer), y / to_file(viewer), z / to_file(viewer)];
 

@@ -3,7 +3,7 @@ import { ranges } from "../../base/ranges";
 import type { Viewer } from "../../state/viewer";
 import { type Colored, compose } from "./compose";
 import { layers_of, palette_of } from "./layers";
-import { type Get, type Seen, camera_query, cut_of, fetch_layers, fetch_seen, sight_of } from "./query";
+import { type Get, type Seen, camera_query, cut_of, fetch_layers, fetch_seen, labels_query, sight_of } from "./query";
 import type { Sights } from "./sights";
 import type { Orbit } from "../space/camera";
 import type { Space } from "../space/space";
@@ -38,7 +38,7 @@ export function bodies_of(viewer: Viewer, space: Space, cut_by = viewer): SightS
     fetch: (from, more, get) => fetch_layers(viewer, space, layers(), query(from) + more, get),
     color: (seen) => compose(seen, palette_of(sight_of(viewer))),
     seen_at: (from, x, y, signal) =>
-      fetch_seen(viewer, layers().flat().sort((a, b) => a - b), query(from), x, y, signal, (label) => (label === null ? UNREADABLE : viewer.name_of(label))),
+      fetch_seen(viewer, query(from) + labels_query(layers()), x, y, signal, ({ label }) => (label === null ? UNREADABLE : viewer.name_of(label))),
     unreadable: () => viewer.labels.length,
     name_of: (label) => (label === viewer.labels.length ? UNREADABLE : viewer.name_of(label)),
   };

@@ -1,0 +1,42 @@
+// The cell nearest to another one that has some material, and another material in a second grid: where to look for a change.
+#include "server/api/answers.hpp"
+
+#include <fmt/format.h>
+
+#include "server/render/cells/differing.hpp"
+#include "store/text/json_writer.hpp"
+
+namespace teracell::server {
+namespace {
+
+Response answer_changed(const GridRequest& r) {
+  r.target.allow({"v", "with", "from", "to", "cell", "across"});
+  const auto text = [&](const char* name) -> const std::string& {
+    const std::string* const out = r.target.find(name);
+    if (!out) throw bad_request(fmt::format("missing {}", name));
+    return *out;
+  };
+  const std::shared_ptr<const ServedGrid> other = r.service.grids().find(text("with"));
+  const std::string &from = text("from"), &to = text("to");
+  const auto at = integers(text("cell"), 3, "cell");
+  const Index3 n = r.meta().grid.cells();
+  for (size_t d = 0; d < 3; ++d)
+    if (at[d] < 0 || at[d] >= n[d]) throw bad_request(fmt::format("cell: expected one from 0,0,0 to {},{},{}", n[0] - 1, n[1] - 1, n[2] - 1));
+  const std::string* const axis = r.target.find("across");
+  const auto across = axis ? std::optional(axis_of(*axis)) : std::nullopt;
+  const auto make = [&r, other, from, to, across, cell = Index3{at[0], at[1], at[2]}] {
+    // The answer is kept for the grids of this moment.
+    if (r.service.grids().find(other->id)->number != other->number) throw Replaced("grid '" + other->id + "' was replaced");
+    std::string out;
+    Differing differing(r.reader(), other->reader(), true);
+    JsonWriter(out).begin_object().field("schema", 1).field("cell", differing.nearest(from, to, cell, across)).end_object();
+    return out;
+  };
+  return r.answer({.route = "changed", .content_type = kJsonType, .make = make, .address = other->hash});
+}
+
+}  // namespace
+
+const Answer kChangedAnswer = {"changed", 1, Cost::kSeen, answer_changed};
+
+}  // namespace teracell::server

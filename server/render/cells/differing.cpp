@@ -1,0 +1,171 @@
+#include "server/render/cells/differing.hpp"
+
+#include <algorithm>
+#include <queue>
+#include <tuple>
+
+#include "store/base/error.hpp"
+#include "store/base/wanted.hpp"
+#include "store/compare/equal_cells.hpp"
+#include "store/grid/space.hpp"
+
+namespace teracell::server {
+namespace {
+
+constexpr double kSamePlane = 1e-9;  // of a cell: planes that are nearer differ by the rounding of another unit
+
+bool has_equal_cells(const GridReader& a, const GridReader& b) try {
+  expect_equal_cells(a, b);
+  return true;
+} catch (const InputError&) {
+  return false;
+}
+
+double scale_between(const std::string& from, const std::string& to) {
+  const auto a = nanometres_of(from), b = nanometres_of(to);
+  return a && b ? *a / *b : 1;
+}
+
+MaterialName after_all(const MaterialNames& names) {
+  MaterialName out = 0;
+  for (const auto* const all : {&names.of_a, &names.of_b})
+    for (const MaterialName name : *all) out = std::max(out, name + 1);
+  return out;
+}
+
+// The background is material 0.
+MaterialName background(const Metadata& meta, const std::vector<MaterialName>& names, MaterialName none) {
+  const auto it = std::ranges::find(meta.labels, 0u, &LabelInfo::material);
+  return it == meta.labels.end() ? none : names[static_cast<size_t>(it - meta.labels.begin())];
+}
+
+// A cell of a level, and the square of the distance to the nearest cell of level 0 in it.
+struct Candidate {
+  double away;
+  int level;
+  Index3 cell;
+  friend bool operator>(const Candidate& a, const Candidate& b) { return std::tie(a.away, a.level, a.cell) > std::tie(b.away, b.level, b.cell); }
+};
+
+}  // namespace
+
+Differing::Differing(const GridReader& a, const GridReader& b, bool damage)
+    : a_(a),
+      b_(b),
+      equal_(has_equal_cells(a, b)),
+      scale_(scale_between(a.meta().units, b.meta().units)),
+      names_(a.meta(), b.meta()),
+      outside_(after_all(names_)),
+      air_a_(background(a.meta(), names_.of_a, outside_)),
+      air_b_(background(b.meta(), names_.of_b, outside_)),
+      sets_(outside_ + 1),
+      number_a_{names_.of_a, sets_, damage},
+      number_b_{names_.of_b, sets_, damage},
+      cells_a_(a, number_a_),
+      cells_b_(b, number_b_) {}
+
+uint32_t Differing::Numbering::of(const std::vector<Label>& set) const {
+  std::vector<Label> out;
+  for (const Label label : set) out.push_back(names[label]);
+  std::ranges::sort(out);
+  out.erase(std::unique(out.begin(), out.end()), out.end());
+  return sets.intern(out);
+}
+
+// The names in that cell of the second grid, or more: those of at most two coarse cells along each axis.
+uint32_t Differing::there(int level, const Index3& cell) {
+  if (equal_) return cells_b_.at(level, cell);
+  Index3 from, to;
+  int coarse = 0;
+  bool reaches = true;
+  for (int d = 0; d < 3; ++d) {
+    const Axis &here = a_.meta().grid.axis[d], &axis = b_.meta().grid.axis[d];
+    double lo = here.plane(cell[d] << level) * scale_, hi = here.plane(std::min((cell[d] + 1) << level, here.cells())) * scale_;
+    const double rounding = kSamePlane * (hi - lo);
+    lo += rounding, hi -= rounding;
+    if (hi <= axis.min() || lo >= axis.max()) return outside_;
+    reaches = reaches && lo >= axis.min() && hi <= axis.max();
+    from[d] = axis.cell_at(std::max(lo, axis.min())), to[d] = axis.cell_at(std::min(hi, axis.max()));
+    while ((to[d] >> coarse) - (from[d] >> coarse) > 1) ++coarse;
+  }
+  while (!b_.stored(coarse) && coarse + 1 < b_.levels()) ++coarse;
+  uint32_t out = reaches ? ~uint32_t{0} : outside_;
+  Index3 at;
+  for (at[2] = from[2] >> coarse; at[2] <= to[2] >> coarse; ++at[2])
+    for (at[1] = from[1] >> coarse; at[1] <= to[1] >> coarse; ++at[1])
+      for (at[0] = from[0] >> coarse; at[0] <= to[0] >> coarse; ++at[0]) {
+        const uint32_t one = cells_b_.at(coarse, at);
+        if (one == Visible::kDamaged) return one;
+        out = out == ~uint32_t{0} ? one : sets_.unite(out, one);
+      }
+  return out;
+}
+
+uint32_t Differing::at(int level, const Index3& cell) {
+  const uint32_t a = cells_a_.at(level, cell), b = a == Visible::kDamaged ? a : there(level, cell);
+  if (b == Visible::kDamaged) return b;
+  if (a == b) return a < sets_.labels() ? 0 : kAlike;
+  const auto [known, is_new] = known_[level == 0].try_emplace(uint64_t{a} << 32 | b);
+  if (is_new) known->second = compare(a, b, level == 0);
+  return known->second;
+}
+
+uint32_t Differing::compare(SetId here, SetId there, bool is_fine) const {
+  const std::vector<MaterialName> a = sets_.members(here);
+  std::vector<MaterialName> b = sets_.members(there);
+  const bool reaches = std::erase(b, outside_) == 0;
+  if (b.empty()) return 0;
+  const auto has = [](const std::vector<MaterialName>& set, MaterialName name) { return std::binary_search(set.begin(), set.end(), name); };
+  const auto is_only = [](const std::vector<MaterialName>& set, MaterialName name) { return set.size() == 1 && set[0] == name; };
+  if (std::ranges::any_of(a, [&](MaterialName name) { return has(b, name); })) return is_fine ? 0 : Visible::kSeveral;
+  if (!is_fine && !reaches) return Visible::kSeveral;
+  if (is_only(a, air_a_)) return 1 + kCellAdded;
+  if (is_only(b, air_b_)) return 1 + kCellRemoved;
+  return is_fine || (!has(a, air_a_) && !has(b, air_b_)) ? 1 + kCellOther : Visible::kSeveral;
+}
+
+std::pair<std::vector<std::string>, std::vector<std::string>> Differing::names(const Index3& cell) {
+  std::pair<std::vector<std::string>, std::vector<std::string>> out;
+  for (const MaterialName name : sets_.members(cells_a_.at(0, cell))) out.first.push_back(names_[name]);
+  for (const MaterialName name : sets_.members(there(0, cell)))
+    if (name != outside_) out.second.push_back(names_[name]);
+  return out;
+}
+
+bool Differing::has(SetId set, const std::string& name) const {
+  const std::vector<MaterialName> names = sets_.members(set);
+  return std::any_of(names.begin(), names.end(), [&](MaterialName one) { return one != outside_ && names_[one] == name; });
+}
+
+std::optional<Index3> Differing::nearest(const std::string& from, const std::string& into, const Index3& to, std::optional<int> across) {
+  const Grid& grid = a_.meta().grid;
+  std::priority_queue<Candidate, std::vector<Candidate>, std::greater<>> open;
+  const auto put = [&](int level, const Index3& cell) {
+    if (across && cell[*across] != to[*across] >> level) return;
+    const uint32_t a = cells_a_.at(level, cell), b = a == Visible::kDamaged ? a : there(level, cell);
+    if (b == Visible::kDamaged || !has(a, from) || !has(b, into)) return;
+    double away = 0;
+    for (int d = 0; d < 3; ++d) {
+      const int64_t first = cell[d] << level, last = std::min((cell[d] + 1) << level, grid.axis[d].cells()) - 1;
+      const auto off = static_cast<double>(to[d] - std::clamp(to[d], first, last));
+      away += off * off;
+    }
+    open.push({away, level, cell});
+  };
+  put(grid.levels() - 1, {0, 0, 0});
+  while (!open.empty()) {
+    Wanted::stop_if_not();
+    const Candidate best = open.top();
+    open.pop();
+    if (best.level == 0) return best.cell;
+    const int finer = best.level - 1;
+    const Index3 n = grid.cells(finer);
+    for (int part = 0; part < 8; ++part) {
+      const Index3 c = {2 * best.cell[0] + (part & 1), 2 * best.cell[1] + (part >> 1 & 1), 2 * best.cell[2] + (part >> 2)};
+      if (c[0] < n[0] && c[1] < n[1] && c[2] < n[2]) put(finer, c);
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace teracell::server
