@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "server/api/answers.hpp"
+#include "server/answers/answers.hpp"
 #include "store/base/wanted.hpp"
 #include "store/check/kept.hpp"
 #include "store/text/json_writer.hpp"

@@ -1,7 +1,7 @@
 // The description of the interface, compared with the answers.
 #include "server/api/openapi.hpp"
 
-#include "server/api/answers.hpp"
+#include "server/answers/answers.hpp"
 #include "server/parts/slice_picture.hpp"
 #include "server/render/plane.hpp"
 #include "store/check/check.hpp"

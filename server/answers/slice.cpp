@@ -1,5 +1,5 @@
 // A slice as a picture; and one along any plane, as a picture or as sets of labels.
-#include "server/api/answers.hpp"
+#include "server/answers/answers.hpp"
 
 #include <fmt/format.h>
 

@@ -1,5 +1,5 @@
 // The material ids of a box as a file: "box.npy", "box.vti" and "box.vtr".
-#include "server/api/answers.hpp"
+#include "server/answers/answers.hpp"
 
 #include <algorithm>
 

@@ -1,5 +1,5 @@
 // A tile of a slice, as a picture or as labels.
-#include "server/api/answers.hpp"
+#include "server/answers/answers.hpp"
 
 #include <fmt/format.h>
 

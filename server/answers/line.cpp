@@ -1,5 +1,5 @@
 // The materials along a straight line.
-#include "server/api/answers.hpp"
+#include "server/answers/answers.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // The grid's file as it is.
-#include "server/api/answers.hpp"
+#include "server/answers/answers.hpp"
 
 #include <algorithm>
 

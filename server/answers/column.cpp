@@ -1,5 +1,5 @@
 // The runs of a column of cells.
-#include "server/api/answers.hpp"
+#include "server/answers/answers.hpp"
 
 #include "server/parts/column_parts.hpp"
 

@@ -1,5 +1,5 @@
 // A grid: its axes, materials and levels, and the report of the mesher.
-#include "server/api/answers.hpp"
+#include "server/answers/answers.hpp"
 
 #include "store/whole/info.hpp"
 

@@ -1,5 +1,5 @@
 // The leaves of a refined grid: the level of each in a tile of a slice, and how many there are.
-#include "server/api/answers.hpp"
+#include "server/answers/answers.hpp"
 
 #include <fmt/format.h>
 

@@ -1,6 +1,6 @@
 // The answers about a grid. A new one is a file that defines its Answer, and a line here; openapi.json describes it.
 #pragma once
-#include "server/api/answer.hpp"
+#include "server/answers/answer.hpp"
 
 // clang-format off
 #define TERACELL_ANSWERS(answer) \

@@ -1,4 +1,4 @@
-#include "server/api/answer.hpp"
+#include "server/answers/answer.hpp"
 
 #include <algorithm>
 #include <limits>

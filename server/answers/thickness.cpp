@@ -1,5 +1,5 @@
 // How thick a material is along the normal of its surface.
-#include "server/api/answers.hpp"
+#include "server/answers/answers.hpp"
 
 #include <algorithm>
 #include <cmath>

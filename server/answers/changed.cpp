@@ -1,5 +1,5 @@
 // The cell nearest to another one that has some material, and another material in a second grid: where to look for a change.
-#include "server/api/answers.hpp"
+#include "server/answers/answers.hpp"
 
 #include <fmt/format.h>
 

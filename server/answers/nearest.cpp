@@ -1,5 +1,5 @@
 // The cell near a place that has one of some labels.
-#include "server/api/answers.hpp"
+#include "server/answers/answers.hpp"
 
 #include <fmt/format.h>
 

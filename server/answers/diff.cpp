@@ -1,5 +1,5 @@
 // Which cells of two served grids have different materials: what `teracell diff --json` prints.
-#include "server/api/answers.hpp"
+#include "server/answers/answers.hpp"
 
 #include "store/base/wanted.hpp"
 #include "store/compare/difference_counts.hpp"

@@ -1,5 +1,5 @@
 // How many cells of a box each material has, its volume and its box.
-#include "server/api/answers.hpp"
+#include "server/answers/answers.hpp"
 
 #include "store/read/stats.hpp"
 #include "store/whole/info.hpp"

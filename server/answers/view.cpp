@@ -1,5 +1,5 @@
 // Pictures in three dimensions of a grid: view.png; what their pixels show, as numbers: view.bin; and what is seen at one point: view.json.
-#include "server/api/answers.hpp"
+#include "server/answers/answers.hpp"
 
 #include <charconv>
 

@@ -1,5 +1,5 @@
 // What a cell is made of.
-#include "server/api/answers.hpp"
+#include "server/answers/answers.hpp"
 
 #include <algorithm>
 #include <map>

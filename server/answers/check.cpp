@@ -1,5 +1,5 @@
 // What `teracell check` has found. It is kept beside the file, and may come or change while the grid stays the same.
-#include "server/api/answers.hpp"
+#include "server/answers/answers.hpp"
 
 #include <fmt/format.h>
 
