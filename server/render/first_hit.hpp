@@ -9,8 +9,8 @@
 #include <optional>
 
 #include "server/render/camera.hpp"
-#include "server/render/cut.hpp"
 #include "server/render/cells/differing.hpp"
+#include "server/render/cut.hpp"
 #include "server/render/occupancy.hpp"
 
 namespace teracell::server {
