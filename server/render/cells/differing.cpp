@@ -1,6 +1,7 @@
 #include "server/render/cells/differing.hpp"
 
 #include <algorithm>
+#include <functional>
 #include <queue>
 #include <tuple>
 
@@ -72,7 +73,7 @@ uint32_t Differing::Numbering::of(const std::vector<Label>& set) const {
   return sets.intern(out);
 }
 
-// The names in that cell of the second grid, or more: those of at most two coarse cells along each axis.
+// The names in that cell of the second grid; above level 0 perhaps more: those of at most two coarse cells along each axis.
 uint32_t Differing::there(int level, const Index3& cell) {
   if (equal_) return cells_b_.at(level, cell);
   Index3 from, to;
@@ -89,12 +90,35 @@ uint32_t Differing::there(int level, const Index3& cell) {
     while ((to[d] >> coarse) - (from[d] >> coarse) > 1) ++coarse;
   }
   while (!b_.stored(coarse) && coarse + 1 < b_.levels()) ++coarse;
+  // Of the cells of level 0 from `from` to `to`, as far as they lie in a coarse one.
+  const std::function<uint32_t(int, const Index3&)> names_between = [&](int above, const Index3& c) {
+    uint32_t set = cells_b_.at(above, c);
+    if (above == 0 || set < sets_.labels() || set == Visible::kDamaged) return set;
+    bool is_whole = true;
+    Box box;
+    for (int d = 0; d < 3; ++d) {
+      const int64_t lo = c[d] << above, hi = std::min((c[d] + 1) << above, b_.meta().grid.axis[d].cells());
+      is_whole = is_whole && from[d] <= lo && hi <= to[d] + 1;
+      box.lo[d] = std::max(from[d], lo) >> (above - 1), box.hi[d] = ((std::min(to[d] + 1, hi) - 1) >> (above - 1)) + 1;
+    }
+    if (is_whole) return set;
+    set = ~uint32_t{0};
+    Index3 finer;
+    for (finer[2] = box.lo[2]; finer[2] < box.hi[2]; ++finer[2])
+      for (finer[1] = box.lo[1]; finer[1] < box.hi[1]; ++finer[1])
+        for (finer[0] = box.lo[0]; finer[0] < box.hi[0]; ++finer[0]) {
+          const uint32_t one = names_between(above - 1, finer);
+          if (one == Visible::kDamaged) return one;
+          set = set == ~uint32_t{0} ? one : sets_.unite(set, one);
+        }
+    return set;
+  };
   uint32_t out = reaches ? ~uint32_t{0} : outside_;
   Index3 at;
   for (at[2] = from[2] >> coarse; at[2] <= to[2] >> coarse; ++at[2])
     for (at[1] = from[1] >> coarse; at[1] <= to[1] >> coarse; ++at[1])
       for (at[0] = from[0] >> coarse; at[0] <= to[0] >> coarse; ++at[0]) {
-        const uint32_t one = cells_b_.at(coarse, at);
+        const uint32_t one = level > 0 ? cells_b_.at(coarse, at) : names_between(coarse, at);
         if (one == Visible::kDamaged) return one;
         out = out == ~uint32_t{0} ? one : sets_.unite(out, one);
       }
