@@ -10,7 +10,7 @@ namespace teracell::server {
 namespace {
 
 Response answer_changed(const GridRequest& r) {
-  r.target.allow({"v", "with", "from", "to", "cell", "across"});
+  r.target.allow({"v", "with", "from", "to", "cell", "region"});
   const auto text = [&](const char* name) -> const std::string& {
     const std::string* const out = r.target.find(name);
     if (!out) throw bad_request(fmt::format("missing {}", name));
@@ -22,14 +22,12 @@ Response answer_changed(const GridRequest& r) {
   const Index3 n = r.meta().grid.cells();
   for (size_t d = 0; d < 3; ++d)
     if (at[d] < 0 || at[d] >= n[d]) throw bad_request(fmt::format("cell: expected one from 0,0,0 to {},{},{}", n[0] - 1, n[1] - 1, n[2] - 1));
-  const std::string* const axis = r.target.find("across");
-  const auto across = axis ? std::optional(axis_of(*axis)) : std::nullopt;
-  const auto make = [&r, other, from, to, across, cell = Index3{at[0], at[1], at[2]}] {
+  const auto make = [&r, other, from, to, box = region_of(r), cell = Index3{at[0], at[1], at[2]}] {
     // The answer is kept for the grids of this moment.
     if (r.service.grids().find(other->id)->number != other->number) throw Replaced("grid '" + other->id + "' was replaced");
     std::string out;
     Differing differing(r.reader(), other->reader(), true);
-    JsonWriter(out).begin_object().field("schema", 1).field("cell", differing.nearest(from, to, cell, across)).end_object();
+    JsonWriter(out).begin_object().field("schema", 1).field("cell", differing.nearest(from, to, cell, box)).end_object();
     return out;
   };
   return r.answer({.route = "changed", .content_type = kJsonType, .make = make, .address = other->hash});

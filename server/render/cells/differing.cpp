@@ -161,23 +161,23 @@ bool Differing::has(SetId set, const std::string& name) const {
   return std::any_of(names.begin(), names.end(), [&](MaterialName one) { return one != outside_ && names_[one] == name; });
 }
 
-std::optional<Index3> Differing::nearest(const std::string& from, const std::string& into, const Index3& to, std::optional<int> across) {
+std::optional<Index3> Differing::nearest(const std::string& from, const std::string& into, const Index3& to, const Box& box) {
   const Grid& grid = a_.meta().grid;
   std::priority_queue<Candidate, std::vector<Candidate>, std::greater<>> open;
   const auto put = [&](int level, const Index3& cell) {
-    if (across && cell[*across] != to[*across] >> level) return;
-    const uint32_t a = cells_a_.at(level, cell), b = a == Visible::kDamaged ? a : there(level, cell);
-    if (b == Visible::kDamaged || !has(a, from) || !has(b, into)) return;
     double away = 0;
     for (int d = 0; d < 3; ++d) {
-      const int64_t first = cell[d] << level, last = std::min((cell[d] + 1) << level, grid.axis[d].cells()) - 1;
+      const int64_t first = std::max(cell[d] << level, box.lo[d]), last = std::min((cell[d] + 1) << level, box.hi[d]) - 1;
+      if (first > last) return;
       const auto off = static_cast<double>(to[d] - std::clamp(to[d], first, last));
       away += off * off;
     }
+    const uint32_t a = cells_a_.at(level, cell), b = a == Visible::kDamaged ? a : there(level, cell);
+    if (b == Visible::kDamaged || !has(a, from) || !has(b, into)) return;
     open.push({away, level, cell});
   };
   put(grid.levels() - 1, {0, 0, 0});
-  while (!open.empty()) {
+  while (!open.empty() && open.size() <= kMostOpen) {
     Wanted::stop_if_not();
     const Candidate best = open.top();
     open.pop();

@@ -54,8 +54,9 @@ TEST_CASE("What differs is counted by pair of names, cell by cell, whatever the 
           for (c[0] = 0; c[0] < n[0]; ++c[0], ++i)
             if (s.cells[i] == 1 && other[i] == 2 && (!in_slice || c[1] == near[1]) && (!best || away(c) < away(*best))) best = c;
       const auto name_of = [&](const char* id, Label label) { return percent_encoded(name(id, label)); };
-      const json nearest = s.parsed(fmt::format("/api/v1/grids/g/changed?with=h&from={}&to={}&cell={},{},{}{}", name_of("g", 1), name_of("h", 2),
-                                                near[0], near[1], near[2], in_slice ? "&across=y" : ""))["cell"];
+      const json nearest =
+          s.parsed(fmt::format("/api/v1/grids/g/changed?with=h&from={}&to={}&cell={},{},{}{}", name_of("g", 1), name_of("h", 2), near[0], near[1],
+                               near[2], in_slice ? fmt::format("&region=0,{},0,37,{},21", near[1], near[1] + 1) : ""))["cell"];
       REQUIRE(nearest.is_null() == !best.has_value());
       if (best) CHECK(away(nearest.get<Index3>()) == away(*best));
     }

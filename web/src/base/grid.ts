@@ -248,10 +248,9 @@ export class GridAddress {
   view(ending: "png" | "bin" | "json", query: string): string {
     return `${this.base}/view.${ending}?${query}&v=${this.hash}`;
   }
-  // The cell nearest to another one, perhaps only of the slice through it across an axis, that has the material `from`, and `to` in another grid.
-  changed(other: string, { from, to }: Pick<Change, "from" | "to">, cell: Index3, across: AxisIndex | null): string {
-    const more = across === null ? "" : `&across=${AXIS_NAMES[across]}`;
-    return `${this.base}/changed?with=${encodeURIComponent(other)}&from=${encodeURIComponent(from)}&to=${encodeURIComponent(to)}&cell=${cell.join(",")}${more}&v=${this.hash}`;
+  // The cell of a box nearest to a cell that has the material `from`, and `to` in another grid.
+  changed(other: string, { from, to }: Pick<Change, "from" | "to">, cell: Index3, box: readonly number[]): string {
+    return `${this.base}/changed?with=${encodeURIComponent(other)}&from=${encodeURIComponent(from)}&to=${encodeURIComponent(to)}&cell=${cell.join(",")}&region=${box.join(",")}&v=${this.hash}`;
   }
   // The sets of labels that a plane meets, in the format of a tile. `query` says which plane, and what of it.
   plane(query: string): string {

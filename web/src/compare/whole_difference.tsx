@@ -1,7 +1,7 @@
 // What differs over the whole of two grids of equal cells, counted by the server.
 import { type Signal, batch } from "@preact/signals";
 import { grouped, noun, percent, plural } from "../base/format";
-import { AXIS_NAMES, type Change, type Difference, type GridInfo, type Index3 } from "../base/grid";
+import { AXIS_NAMES, type AxisIndex, type Change, type Difference, type GridInfo, type Index3 } from "../base/grid";
 import { say, words_of } from "../base/messages";
 import { quoted } from "../base/shell";
 import { BoxText } from "../panels/places";
@@ -9,12 +9,14 @@ import { FirstOf } from "../panels/first_of";
 import { use_answer } from "../server/answer";
 import { get_json } from "../server/api";
 import { unequal_cells } from "../state/comparison";
-import type { Comparison } from "../state/viewer";
+import type { Box, Comparison } from "../state/viewer";
 import { CodeLine } from "../widgets/copy";
 import { Swatch } from "../widgets/swatch";
 import type { Pair } from "./pair";
 
 const MANY = 50; // changes that are listed at first
+
+const in_slice = (box: Box, axis: AxisIndex, slice: number): Box => box.map((end, n) => (n === axis ? slice : n === axis + 3 ? slice + 1 : end)) as Box;
 
 const exact = (cells: number, text: string | undefined) => BigInt(text ?? cells);
 
@@ -37,12 +39,12 @@ function ChangeLine({ pair, comparison, change, all }: { pair: Pair; comparison:
   const [first, last] = [box[axis], box[axis + 3]! - 1];
   // The first and the last slice of the box certainly hold some of these cells.
   const places = [
-    { label: "first", slice: first, across: axis },
-    { label: "middle", slice: Math.floor((first + last) / 2), across: null },
-    { label: "last", slice: last, across: axis },
+    { label: "first", slice: first, within: in_slice(box, axis, first) },
+    { label: "middle", slice: Math.floor((first + last) / 2), within: box },
+    { label: "last", slice: last, within: in_slice(box, axis, last) },
   ];
   // To a cell that has changed, of that slice or near it.
-  const go = async ({ slice, across }: (typeof places)[number]) => {
+  const go = async ({ slice, within }: (typeof places)[number]) => {
     batch(() => {
       comparison.value = { ...comparison.value, together: true, apart: 0 };
       viewer.box.value = box;
@@ -50,7 +52,7 @@ function ChangeLine({ pair, comparison, change, all }: { pair: Pair; comparison:
       viewer.set_slice(axis, slice);
     });
     const here = viewer.cell.peek();
-    const { cell } = await get_json<{ cell: Index3 | null }>(viewer.address.changed(pair.right.viewer.info.id, change, here, across));
+    const { cell } = await get_json<{ cell: Index3 | null }>(viewer.address.changed(pair.right.viewer.info.id, change, here, within));
     if (cell && viewer.cell.peek() === here) viewer.set_cell(cell); // unless somebody has moved on
   };
   return (
@@ -72,7 +74,7 @@ function ChangeLine({ pair, comparison, change, all }: { pair: Pair; comparison:
             key={place.label}
             class="button small"
             aria-label={`Go there: ${place.label} slice across ${AXIS_NAMES[axis]} where ${from} became ${to}`}
-            title={`${place.across === null ? "A cell near slice" : "Slice"} ${grouped(place.slice)} across ${AXIS_NAMES[axis]}`}
+            title={`${place.within === box ? "A cell near slice" : "Slice"} ${grouped(place.slice)} across ${AXIS_NAMES[axis]}`}
             onClick={() => void go(place).catch((error: unknown) => say(`The place can't be looked for: ${words_of(error)}.`))}
           >
             {first === last ? "only" : place.label}
