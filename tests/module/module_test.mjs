@@ -140,6 +140,8 @@ test("several grids are listed, and compared", async () => {
   const list = JSON.parse(new TextDecoder().decode(files.answer("/api/v1/grids").body));
   assert.deepEqual(list.grids.map(({ id }) => id), grids.map((path) => basename(path, ".tcell")));
   await same(files, "/api/v1/grids/before/diff?with=after");
+  await same(files, "/api/v1/grids/before/view.bin?size=40,30&against=after");
+  await same(files, "/api/v1/grids/before/nearest?labels=1&cell=0,0,0");
   files.close();
 });
 

@@ -1,7 +1,7 @@
 // What is seen first: what there is, from where it is upright, with the crosshair in a cell of it.
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import type { AxisJson, GridInfo, Index3, Report } from "@page/base/grid";
+import { type AxisJson, type GridInfo, type Index3, type Report, ids_in } from "@page/base/grid";
 import { upright_axis } from "@page/base/upright";
 import { names_a_place, show_what_there_is, what_there_is } from "@page/visits/first_view";
 import { type Box, Viewer } from "@page/state/viewer";
@@ -73,6 +73,10 @@ test("what fills its domain is seen with all of this, and nothing moves that som
   zoomed.viewer.zoom.value = 50;
   await later;
   assert.deepEqual([zoomed.viewer.cell.value, zoomed.viewer.zoom.value], [[50, 40, 30], 50]);
+});
+
+test("an address names its grid, and the one that is compared with it", () => {
+  assert.deepEqual(["/api/v1/grids/a%20b/info", "/api/v1/grids/a/diff?with=b", "/api/v1/grids/a/view.bin?size=9,9&against=c", "/healthz"].map(ids_in), [["a b"], ["a", "b"], ["a", "c"], []]);
 });
 
 test("an address that says where to look is obeyed", () => {

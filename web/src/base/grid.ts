@@ -218,7 +218,7 @@ export interface Column {
 export function ids_in(path: string): string[] {
   const { pathname, searchParams } = new URL(path, "http://page/");
   const [, id] = /^\/api\/v1\/grids\/([^/]+)/.exec(pathname) ?? [];
-  const other = searchParams.get("with");
+  const other = searchParams.get("with") ?? searchParams.get("against");
   return [...(id === undefined ? [] : [decodeURIComponent(id)]), ...(other === null ? [] : [other])];
 }
 

@@ -10,7 +10,7 @@ import type { Answer } from "./instance";
 import { type Place, type Source, SourceError, source_at } from "./sources";
 import type { FromWorker, ToWorker } from "./worker";
 
-const SLOW = /^api\/v1\/grids\/[^/]+\/(view\.|stats|diff|line|column|box\.|slice)/;
+const SLOW = /^api\/v1\/grids\/[^/]+\/(view\.|stats|diff|changed|line|column|box\.|slice)/;
 const CHECK = /^api\/v1\/grids\/[^/]+\/check$/;
 const FILE = /^api\/v1\/grids\/[^/]+\/file\.tcell$/;
 
