@@ -1,13 +1,27 @@
-// A cell near a place that has one of some labels: where to look first.
+// The cell nearest to a place that has something: where to look first. It is looked for from the top of the pyramid down, the nearest coarse cell
+// first. Threads may ask at once.
 #pragma once
+#include <functional>
+
 #include "store/read/reader.hpp"
 
 namespace teracell::inline store {
 
-// The cell of level 0 nearest to `to` with one of these labels (by label); none when no cell has one. A distance along an axis counts as a share
-// of the side of the box around all such cells: of a wide, flat hall the stands at the sides are nearer to its middle than the floor below,
-// and a slice through them shows more. Another cell may be nearer by an eighth: where many are nearly as near, not all are looked at. Goes down
-// the pyramid, and reads few chunks. Threads may ask at once. REQUIRES: `to` lies in the grid.
+struct Nearest {
+  Index3 to{0, 0, 0};
+  Box box;                           // of the cells that may be found. REQUIRES: it is not empty
+  std::array<double, 3> width{1, 1, 1};  // of a cell, which distances count in
+  double slack = 0;  // what is found may be farther than the nearest by this share: where many are nearly as near, few are looked at
+  // Whether a cell of a level has it. REQUIRES: what a cell has, the one above it has as well.
+  std::function<bool(int level, const Index3& cell)> has;
+};
+// None where there is none, or where it would have to be looked for in more than kMostOpen coarse cells at once. Throws what has() and Wanted throw.
+inline constexpr size_t kMostOpen = size_t{1} << 20;
+std::optional<Index3> nearest_cell(const Grid& grid, const Nearest& what);
+
+// The nearest cell with one of these labels (by label). A distance along an axis counts as a share of the side of the box around all such cells:
+// of a wide, flat hall the stands at the sides are nearer to its middle than the floor below, and a slice through them shows more. Another cell
+// may be nearer by an eighth.
 std::optional<Index3> read_nearest(const GridReader& reader, const std::vector<bool>& labels, const Index3& to);
 
 }  // namespace teracell::store

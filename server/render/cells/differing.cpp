@@ -2,13 +2,11 @@
 
 #include <algorithm>
 #include <functional>
-#include <queue>
-#include <tuple>
 
 #include "store/base/error.hpp"
-#include "store/base/wanted.hpp"
 #include "store/compare/equal_cells.hpp"
 #include "store/grid/space.hpp"
+#include "store/read/nearest.hpp"
 
 namespace teracell::server {
 namespace {
@@ -39,14 +37,6 @@ MaterialName background(const Metadata& meta, const std::vector<MaterialName>& n
   const auto it = std::ranges::find(meta.labels, 0u, &LabelInfo::material);
   return it == meta.labels.end() ? none : names[static_cast<size_t>(it - meta.labels.begin())];
 }
-
-// A cell of a level, and the square of the distance to the nearest cell of level 0 in it.
-struct Candidate {
-  double away;
-  int level;
-  Index3 cell;
-  friend bool operator>(const Candidate& a, const Candidate& b) { return std::tie(a.away, a.level, a.cell) > std::tie(b.away, b.level, b.cell); }
-};
 
 }  // namespace
 
@@ -162,34 +152,11 @@ bool Differing::has(SetId set, const std::string& name) const {
 }
 
 std::optional<Index3> Differing::nearest(const std::string& from, const std::string& into, const Index3& to, const Box& box) {
-  const Grid& grid = a_.meta().grid;
-  std::priority_queue<Candidate, std::vector<Candidate>, std::greater<>> open;
-  const auto put = [&](int level, const Index3& cell) {
-    double away = 0;
-    for (int d = 0; d < 3; ++d) {
-      const int64_t first = std::max(cell[d] << level, box.lo[d]), last = std::min((cell[d] + 1) << level, box.hi[d]) - 1;
-      if (first > last) return;
-      const auto off = static_cast<double>(to[d] - std::clamp(to[d], first, last));
-      away += off * off;
-    }
+  const auto changes = [&](int level, const Index3& cell) {
     const uint32_t a = cells_a_.at(level, cell), b = a == Visible::kDamaged ? a : there(level, cell);
-    if (b == Visible::kDamaged || !has(a, from) || !has(b, into)) return;
-    open.push({away, level, cell});
+    return b != Visible::kDamaged && has(a, from) && has(b, into);
   };
-  put(grid.levels() - 1, {0, 0, 0});
-  while (!open.empty() && open.size() <= kMostOpen) {
-    Wanted::stop_if_not();
-    const Candidate best = open.top();
-    open.pop();
-    if (best.level == 0) return best.cell;
-    const int finer = best.level - 1;
-    const Index3 n = grid.cells(finer);
-    for (int part = 0; part < 8; ++part) {
-      const Index3 c = {2 * best.cell[0] + (part & 1), 2 * best.cell[1] + (part >> 1 & 1), 2 * best.cell[2] + (part >> 2)};
-      if (c[0] < n[0] && c[1] < n[1] && c[2] < n[2]) put(finer, c);
-    }
-  }
-  return std::nullopt;
+  return nearest_cell(a_.meta().grid, {.to = to, .box = box, .has = changes});
 }
 
 }  // namespace teracell::server

@@ -35,9 +35,8 @@ class Differing {
   uint32_t at(int level, const Index3& cell);
   // The materials of a cell of level 0, and those there in the second grid. REQUIRES: it differs.
   std::pair<std::vector<std::string>, std::vector<std::string>> names(const Index3& cell);
-  // The cell of level 0 in a box nearest to `to`, counted in cells, that has the first material, and there in the second grid the second one. None
-  // where there is none, or where it is still to be looked for in more than kMostOpen coarse cells. REQUIRES: the box is not empty.
-  static constexpr size_t kMostOpen = size_t{1} << 20;
+  // The cell of level 0 in a box nearest to `to` that has the first material, and there in the second grid the second one, as far as
+  // nearest_cell() finds one. REQUIRES: the box is not empty.
   std::optional<Index3> nearest(const std::string& from, const std::string& into, const Index3& to, const Box& box);
 
  private:
