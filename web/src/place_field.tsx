@@ -56,7 +56,7 @@ function Nowhere({ viewer, text }: { viewer: Viewer; text: string }) {
     <p class="place-note">
       {text.trim() !== "" && <strong>“{text.trim()}” is no place, and nothing here is called so. </strong>}
       Three numbers are x, y, z in {viewer.units}, or in a unit behind them. “cell 3, 4, 5” is a cell, “z = 2” moves along z alone, and the name of a
-      material{viewer.keeps_bodies && ", a body"} or a part leads there.
+      material, a body or a part leads there.
     </p>
   );
 }

@@ -3,7 +3,7 @@ import assert from "node:assert/strict";
 import test from "node:test";
 import { Axis } from "@page/base/axis";
 import type { GridInfo, Index3 } from "@page/base/grid";
-import { named_places, places_named } from "@page/state/named_places";
+import { named_places, places_named, shared_material } from "@page/state/named_places";
 import { cell_text, coordinates_text, spots_of } from "@page/state/place_text";
 import { random_of } from "./random";
 
@@ -81,4 +81,15 @@ test("names: the whole one first, then what begins with the text, also within a 
   assert.deepEqual(found("/car/front/wheel")[0], "/car/front/wheel: body");
   assert.deepEqual([found("steel"), found("air"), found(" ")], [["steel: material"], [], []]);
   assert.deepEqual(places_named(list, "/car/front", 1)[0]!.ids, [1, 2]);
+});
+
+test("where a file keeps materials, the name of a body leads to its material, and says so where others share it", () => {
+  const materials = ["air", "steel", "glass"].map((name, id) => ({ id, name }));
+  const bodies = [["base", "steel"], ["rib", "steel"], ["wall", "glass"], ["steel", "steel"]].map(([name, material]) => ({ name, material }));
+  const info = { materials, report: { scene: { bodies } } } as unknown as GridInfo;
+  const list = named_places({ labels: [], info, keeps_bodies: false });
+  assert.deepEqual(places_named(list, "base", 8), [{ name: "base", kind: "body; leads to all of steel", of: "materials", ids: [1] }]);
+  assert.deepEqual(places_named(list, "wall", 8).map(({ kind, ids }) => [kind, ids]), [["body", [2]]]);
+  assert.deepEqual(places_named(list, "steel", 8).map(({ kind }) => kind), ["material"]);
+  assert.deepEqual([shared_material({ info, keeps_bodies: false }, "rib"), shared_material({ info, keeps_bodies: false }, "wall"), shared_material({ info, keeps_bodies: true }, "rib")], ["steel", null, null]);
 });

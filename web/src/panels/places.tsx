@@ -4,11 +4,11 @@ import { AXES, AXIS_NAMES } from "../base/grid";
 import type { Box, Viewer } from "../state/viewer";
 import { Icon } from "../widgets/icons";
 
-export function GoThere({ what, go }: { what: string; go: () => void }) {
+export function GoThere({ what, go, text = "Go there" }: { what: string; go: () => void; text?: string }) {
   return (
-    <button class="button small" title={`Look at ${what}`} aria-label={`Go there: ${what}`} onClick={go}>
+    <button class="button small" title={`Look at ${what}`} aria-label={`${text}: ${what}`} onClick={go}>
       <Icon name="target" />
-      Go there
+      {text}
     </button>
   );
 }

@@ -4,6 +4,7 @@ import { grouped, plural, significant } from "../base/format";
 import { type AxisIndex, type BodyReport, type Hole, for_axes } from "../base/grid";
 import { go_to_finding } from "../visits/go_there";
 import { labels_named } from "../state/isolation";
+import { shared_material } from "../state/named_places";
 import { hole_text } from "../state/places";
 import type { Box, Viewer } from "../state/viewer";
 import { Fact } from "../widgets/fact";
@@ -31,6 +32,7 @@ function PlaceLine({ what, go, children }: { what: string; go: () => void; child
 
 export function BodyDetails({ viewer, body }: { viewer: Viewer; body: BodyReport }) {
   const { units } = viewer;
+  const shared = shared_material(viewer, body.name);
   const is_named = labels_named(viewer.info, [body.name]).length > 0;
   const holes = [...body.holes].sort((a, b) => b.diameter - a.diameter);
   return (
@@ -60,7 +62,12 @@ export function BodyDetails({ viewer, body }: { viewer: Viewer; body: BodyReport
           It owns no cell: it encloses nothing, lies outside the grid or between the sample points, or stronger bodies own all of its cells.
         </p>
       )}
-      {body.cells > 0 && is_named && <GoThere what={body.name} go={() => go_to_finding(viewer, { at: null, box: null, bodies: [body.name] })} />}
+      {body.cells > 0 && is_named && (
+        <GoThere
+          {...(shared === null ? { what: body.name } : { text: `Go to ${shared}`, what: `all bodies of ${shared}, which the file does not keep apart` })}
+          go={() => go_to_finding(viewer, { at: null, box: null, bodies: [body.name] })}
+        />
+      )}
       {holes.length > 0 && (
         <FirstOf class="places" list={holes} step={MANY}>
           {(hole, n) => (
