@@ -154,7 +154,7 @@ test("the statistics of a box that is drawn are exact", async () => {
   // The box survives a click, and a click with the tool.
   await page.mouse.click(...(await point_of(page, "z", 100, 60)));
   await page.keyboard.press("x");
-  await page.getByText("Drag to draw a box").waitFor();
+  await page.getByText("Drag a box in a slice").waitFor();
   await page.mouse.click(...(await point_of(page, "z", 20, 60)));
   assert.equal(await state(page, "tool"), "box");
   await page.keyboard.press("Escape");
