@@ -60,6 +60,8 @@ inline std::vector<std::string> targets_of(const Metadata& meta, int levels) {
   const std::string first = corner(0, 0, 0);
   for (const std::string& last : {corner(n0[0], n0[1], n0[2]), corner(n0[0], 0, 0), corner(0, n0[1], 0), corner(0, 0, n0[2])})
     out.push_back(fmt::format("{}/line?from={}&to={}", api, first, last));
+  out.push_back(fmt::format("{}/nearest?labels=1&cell=0,0,0", api));
+  out.push_back(fmt::format("{}/view.bin?size=64,48&against=g", api));
   for (const char* ending : {"npy", "vti", "vtr"}) {
     out.push_back(fmt::format("{}/box.{}", api, ending));
     out.push_back(fmt::format("{}/box.{}?region=0,0,0,{},{},{}", api, ending, std::min<int64_t>(n0[0], 2048), std::min<int64_t>(n0[1], 2048),
