@@ -54,7 +54,7 @@ test("what is gone to is isolated, which is said and kept in the link; all is sh
   await page.locator(".finding").first().getByRole("button", { name: /Go there/ }).click();
   const label = await page.evaluate((name) => teracell.viewer.info.materials.findIndex((m) => m.name === name), finding.bodies[0]);
   assert.deepEqual(await state(page, "isolated"), { labels: [label], box: finding.box });
-  assert.ok((await page.locator(".isolated-note").textContent()).includes(`Isolated:${finding.bodies[0]}`));
+  assert.ok((await page.locator(".isolated-note").textContent()).includes(`Isolated: ${finding.bodies[0]}`));
   await page.waitForFunction(() => document.querySelector(".overview")?.dataset.state === "sharp");
   assert.ok(asked.includes(String(label)) && asked.some((labels) => labels && labels !== String(label)), `asked for ${asked}`);
   await page.waitForFunction((found) => location.hash.includes(`only=`) && location.hash.includes(`found=${found}`), finding.box.join(","));

@@ -28,7 +28,7 @@ function goal_of_spot(viewer: Viewer, { by, point, cell, outside }: Spot): Goal 
   const [text, beside] = by === "cell" ? [texts[1], texts[0]] : texts;
   const go = () => {
     if (outside) say(outside);
-    viewer.go_to_cell(cell);
+    viewer.look_at_cell(cell);
   };
   return { key: by, text, beside, outside, go };
 }

@@ -96,9 +96,12 @@ test("an overlap that is gone to is solid in its colour, in bodies of glass; a b
   assert.deepEqual(seen(), ["faint", "glass", "glass", "glass", "solid", "faint", "faint"]);
   const sight = { looks: viewer.shown_looks.value, mode: "cut" as const, small: new Set([2, 3, 4, 5]) };
   assert.deepEqual([2, 4, 5].map((label) => substance_of(sight, label)), ["glass", "glass", "solid"], "small bodies as well");
+  assert.equal(substance_of({ ...sight, mode: "glass", small: new Set() }, 5), "solid", "in glass, too");
   assert.notDeepEqual(viewer.shown_looks.value[5]!.color, viewer.shown_looks.value[4]!.color);
   viewer.isolated.value = { labels: [4], box: null };
   assert.deepEqual(seen(), ["faint", "faint", "faint", "solid", "solid", "faint", "faint"]);
+  const in_glass = { looks: viewer.shown_looks.value, mode: "glass" as const, small: new Set<number>() };
+  assert.deepEqual([2, 4, 5].map((label) => substance_of(in_glass, label)), ["faint", "glass", "glass"]);
   show_only(viewer, [4]);
   assert.deepEqual(viewer.label_looks.value.map(({ visible }) => visible), [false, false, false, false, true, true, false, false]);
   assert.deepEqual(viewer.wholes, [0, 1, 2, 4, 6]);

@@ -3,7 +3,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { Axis } from "@page/base/axis";
 import {
-  HOME, along_axis, at_depth_of, between, direction_at, dollied, dollied_to, dot, fitted, panned, project, projection_of, straight,
+  HOME, along_axis, at_depth_of, between, direction_at, dollied, dollied_to, dot, fitted, in_sight, panned, project, projection_of, straight,
 } from "@page/overview/space/camera";
 import { edge_depths, labelled_edges } from "@page/overview/space/edges";
 import { make_ladder } from "@page/overview/quality";
@@ -64,6 +64,13 @@ test("straight views look along the axes, and z is up, or y", () => {
       }
   const { right, up } = projection_of(fitted([1, 1, 1], straight(2, true).azimuth, 90, 1), 100, 100);
   assert.ok(Math.abs(right[0] - 1) < 1e-9 && Math.abs(up[1] - 1) < 1e-9);
+});
+
+test("a place is in sight where it is within the picture, and not far before or behind what is looked at", () => {
+  const home = fitted([1, 1, 1], HOME.azimuth, HOME.elevation, 1.5);
+  assert.ok([[0, 0, 0], [1, 1, 1], [-1, 1, -1]].every((p) => in_sight(home, p as Vec3, 1.5)), "the whole domain");
+  const near = { ...home, distance: home.distance / 100 };
+  assert.deepEqual([[0, 0, 0], [0.5, 0.5, 0.5], home.target.map((x, d) => x - 0.5 * projection_of(home, 3, 2).back[d]!)].map((p) => in_sight(near, p as Vec3, 1.5)), [true, false, false]);
 });
 
 test("flights turn the shorter way round and end where they should", () => {

@@ -12,7 +12,7 @@ export interface MaterialLook {
 export interface LabelLook extends MaterialLook {
   readonly material: number;
   readonly faint?: boolean; // where something is isolated: whether it only stands around that
-  readonly glass?: true; // it is shown for what lies in it
+  readonly glass?: boolean; // where an overlap is isolated: true of its bodies, which are shown for what lies in them, false of what lies there
 }
 
 const FAINT = 0.14; // of the opacity

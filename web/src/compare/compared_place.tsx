@@ -14,8 +14,8 @@ function labels_at({ viewer, views, store, sets }: Stage, axis: AxisIndex, point
   const { u, v } = FRAMES[axis];
   const [a, b] = [viewer.axes[u].cell_at(point[u]), viewer.axes[v].cell_at(point[v])];
   if (a < 0 || b < 0 || a >= viewer.cells[u] || b >= viewer.cells[v]) return null;
-  const set = views[axis].finest_at(store, viewer.slice[axis].value, a, b, viewer.info.levels.length);
-  return set === null ? null : sets.members(set);
+  const finest = views[axis].finest_at(store, viewer.slice[axis].value, a, b, viewer.info.levels.length);
+  return finest && sets.members(finest.set);
 }
 
 // Added is what only the grid on the right has.

@@ -48,7 +48,7 @@ function Pointer({ viewer }: { viewer: Viewer }) {
       </h2>
       <Place viewer={viewer} cell={hover?.cell ?? null} {...(hover ? { point: hover.point } : {})} />
       <div class="dock-material">
-        {shares ? <Shares viewer={viewer} shares={shares} /> : <LabelNames viewer={viewer} labels={hover?.labels ?? null} />}
+        {shares ? <Shares viewer={viewer} shares={shares} /> : <LabelNames viewer={viewer} labels={hover?.labels ?? null} coarse={!!hover?.level} />}
       </div>
     </section>
   );
@@ -79,7 +79,7 @@ export function Dock({ viewer }: { viewer: Viewer }) {
             <CopyButton small label={viewer.units} what={`the place in ${viewer.units}`} text={coordinates_text(viewer.axes, cell, viewer.info.units)} />
             {pinned ? (
               <>
-                <IconButton class="small" icon="target" label="Look at the pinned cell" onClick={() => viewer.go_to_cell(pinned)} />
+                <IconButton class="small" icon="target" label="Look at the pinned cell" onClick={() => viewer.look_at_cell(pinned)} />
                 <IconButton class="small" icon="close" label="Unpin the cell" onClick={() => (viewer.pinned.value = null)} />
               </>
             ) : (

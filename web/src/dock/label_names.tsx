@@ -12,11 +12,11 @@ function entries_of(viewer: Viewer, labels: readonly number[]) {
   return [...materials].map((id) => ({ name: viewer.info.materials[id]!.name, look: viewer.looks.value[id] }));
 }
 
-export function LabelNames({ viewer, labels: all }: { viewer: Viewer; labels: readonly number[] | null }) {
+export function LabelNames({ viewer, labels: all, coarse = false }: { viewer: Viewer; labels: readonly number[] | null; coarse?: boolean }) {
   if (!all) return <span class="faint">–</span>;
   // Of several, what a body has alone and what lies in others as well are one.
   const labels = all.length === 1 ? all : [...new Set(all.map((label) => without_overlap(viewer.labels, label)))];
-  if (labels.length === 0) return <span class="faint">can't be read</span>;
+  if (labels.length === 0) return <span class="faint">can't be read{coarse && " at this zoom"}</span>;
   const entries = entries_of(viewer, labels);
   const mixed = labels.length > 1;
   return (

@@ -305,13 +305,15 @@ class Overview {
     this.moved();
   }
 
-  // So near that a box fills the view.
+  // So near that a box fills the view, or to where a point is in sight.
   private fly_to(box: [Range, Range, Range], slowly = true): void {
+    this.viewer.visited.value = null;
     const [low, high] = [point_to_space(this.space, box.map(({ min }) => min)), point_to_space(this.space, box.map(({ max }) => max))];
-    const to = this.viewpoint.framing(low, high, this.nearest);
+    const is_point = box.every(({ min, max }) => min === max);
+    if (is_point && this.viewpoint.sees(low)) return;
+    const to = is_point ? { ...this.viewpoint.orbit, target: low } : this.viewpoint.framing(low, high, this.nearest);
     if (slowly) this.viewpoint.fly(to);
     else this.viewpoint.move(to);
-    this.viewer.visited.value = null;
     this.moved();
   }
 

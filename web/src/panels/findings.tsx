@@ -10,6 +10,7 @@ import { go_to_finding } from "../visits/go_there";
 import type { Viewer } from "../state/viewer";
 import { CodeLine } from "../widgets/copy";
 import { Select } from "../widgets/select";
+import { use_unfolded } from "../widgets/unfolded";
 import { KINDS, LEVEL_CARE } from "./finding_words";
 import { FirstOf } from "./first_of";
 import { GoThere, point_text } from "./places";
@@ -78,10 +79,10 @@ interface GroupProps {
 }
 
 function GroupOf({ viewer, group, on_open, on_visit }: GroupProps) {
-  const [opened, set_opened] = useState(group.level === "error");
+  const [opened, unfold] = use_unfolded(viewer, `group ${group.kind}`, group.level === "error");
   const toggle = (now: boolean) => {
     if (now !== opened) on_open(now);
-    set_opened(now);
+    unfold(now);
   };
   const { name, means } = KINDS[group.kind];
   const hidden = group.total - group.findings.length;

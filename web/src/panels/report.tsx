@@ -3,7 +3,7 @@ import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import { bytes_text, grouped, plural, product, prose, significant, upper_first } from "../base/format";
 import type { BodyReport } from "../base/grid";
 import { use_answer } from "../server/answer";
-import { grid_findings } from "../server/api";
+import { damaged_grids, grid_findings } from "../server/api";
 import { ALL, type Focus, markers_of } from "../state/findings";
 import { on_phone } from "../state/phone";
 import { places_found } from "../state/places";
@@ -11,11 +11,12 @@ import type { Viewer } from "../state/viewer";
 import { CodeLine } from "../widgets/copy";
 import { Fact } from "../widgets/fact";
 import { Icon } from "../widgets/icons";
+import { use_unfolded } from "../widgets/unfolded";
 import { KINDS, not_checked, verdict } from "./finding_words";
 import { FindingsList, NotChecked } from "./findings";
 import { FirstOf } from "./first_of";
 import { BodyDetails } from "./report_body";
-import { body_cells, care_of, levels_text, size_text } from "./report_words";
+import { type Care, DAMAGED, body_cells, care_of, levels_text, size_text } from "./report_words";
 
 const MANY = 100; // items of a list that are shown at once
 const MANY_BODIES = 8; // with this many or more, only those with something to say are unfolded
@@ -23,11 +24,11 @@ const MANY_BODIES = 8; // with this many or more, only those with something to s
 const has_something_to_say = (b: BodyReport) => b.holes.length > 0 || b.flips.length > 0 || b.cells === 0;
 
 function Body({ viewer, body, open }: { viewer: Viewer; body: BodyReport; open: boolean }) {
-  const [opened, set_opened] = useState(open); // the details of a body that was never opened are not made
+  const [opened, unfold] = use_unfolded(viewer, `body ${body.name}`, open); // the details of a body that is folded are not made
   const problem = has_something_to_say(body);
   return (
     <li class="body">
-      <details open={open} onToggle={(e) => e.currentTarget.open && set_opened(true)}>
+      <details open={opened} onToggle={(e) => unfold(e.currentTarget.open)}>
         <summary>
           <span class="body-name" title={body.name}>
             {body.name}
@@ -42,6 +43,15 @@ function Body({ viewer, body, open }: { viewer: Viewer; body: BodyReport; open: 
         {opened && <BodyDetails viewer={viewer} body={body} />}
       </details>
     </li>
+  );
+}
+
+function CareLine({ care }: { care: Care }) {
+  return (
+    <p class={`care ${care.level}`}>
+      <Icon name={care.level === "fine" ? "done" : "warning"} />
+      <span>{care.text}</span>
+    </p>
   );
 }
 
@@ -78,10 +88,8 @@ export function ReportPanel({ viewer }: { viewer: Viewer }) {
   const few = bodies.length < MANY_BODIES;
   return (
     <>
-      <p class={`care ${care.level}`}>
-        <Icon name={care.level === "fine" ? "done" : "warning"} />
-        <span>{care.text}</span>
-      </p>
+      {damaged_grids.value.includes(info.id) && <CareLine care={DAMAGED} />}
+      <CareLine care={care} />
       {places.length > 0 && (
         <label class="check">
           <input type="checkbox" checked={marked} onChange={() => (viewer.markers.value = marked ? [] : places)} />

@@ -8,6 +8,8 @@ export interface Care {
   text: string;
 }
 
+export const DAMAGED: Care = { level: "bad", text: "The file is damaged: parts of it can't be read." };
+
 const HARMLESS = 2; // cells: a narrower hole does no harm, as in the warnings of the mesher
 
 const quoted = (bodies: readonly BodyReport[]) => {

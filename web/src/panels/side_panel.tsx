@@ -1,4 +1,5 @@
 // The panel at the side (a sheet at the bottom on narrow screens): tabs, one of which is shown.
+import { damaged_grids } from "../server/api";
 import { is_alone } from "../server/transport";
 import type { Panel, Viewer } from "../state/viewer";
 import { IconButton } from "../widgets/icons";
@@ -8,7 +9,7 @@ import { BoxPanel } from "./box";
 import { LeavesPanel } from "./leaves";
 import { MaterialsPanel } from "./materials";
 import { ReportPanel } from "./report";
-import { care_of } from "./report_words";
+import { DAMAGED, care_of } from "./report_words";
 import { SharePanel } from "./share";
 import { StatusPanel } from "./status";
 
@@ -33,7 +34,7 @@ export function SidePanel({ viewer }: { viewer: Viewer }) {
   const shown = viewer.panel.value;
   const tabs = TABS.filter((t) => t.shown?.(viewer) ?? true);
   const tab = tabs.find((t) => t.panel === shown);
-  const care = care_of(viewer.info);
+  const care = damaged_grids.value.includes(viewer.info.id) ? DAMAGED : care_of(viewer.info);
   const { sheet, head } = use_sheet(shown !== null, (show) => (viewer.panel.value = show ? (viewer.panel.peek() ?? "materials") : null));
   // As usual for tabs, the tab key stops once, and the arrow keys go from one tab to the next.
   const on_key = (event: KeyboardEvent) => {

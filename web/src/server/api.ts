@@ -68,20 +68,20 @@ export const is_damage = (error: unknown): boolean => error instanceof ServerErr
 // A proxy answers so in place of a server that is gone. A banner says that.
 const is_proxys = (status: number) => status === 502 || status === 504;
 
-const said_damaged = new Set<string>(); // each once
+export const damaged_grids = signal<readonly string[]>([]); // the ids of those of which something could not be read
+const damage_text = (id: string) => `“${id}” is damaged: parts of it can't be read`;
 function say_damaged(path: string, message: string): void {
   const ids = ids_in(path);
   const id = ids.find((one) => message.startsWith(`${one}.`)) ?? ids[0]!; // of two that are compared, the message names the file
-  const text = `“${id}” is damaged: parts of it can't be read`;
-  if (said_damaged.has(text)) return;
-  said_damaged.add(text);
-  say(text, { detail: message });
+  if (damaged_grids.peek().includes(id)) return;
+  damaged_grids.value = [...damaged_grids.peek(), id];
+  say(damage_text(id), { detail: message });
 }
 const no_answer = () => (is_alone() ? "The page could not answer" : "The server could not answer");
 // A banner says what these messages said.
 export function drop_complaints(): void {
-  said_damaged.forEach(drop);
-  said_damaged.clear();
+  for (const id of damaged_grids.peek()) drop(damage_text(id));
+  damaged_grids.value = [];
   drop(no_answer());
 }
 

@@ -7,7 +7,7 @@ import { about, bytes_text, grouped, noun, product, significant, sizes, unit_nam
 import { GridAddress, type GridInfo, type GridSummary } from "../base/grid";
 import { initial_looks } from "../base/materials";
 import { verdict } from "../panels/finding_words";
-import { type Care, care_of } from "../panels/report_words";
+import { type Care, DAMAGED, care_of } from "../panels/report_words";
 import { checked_findings, server_root } from "../server/api";
 import { use_answer } from "../server/answer";
 import { use_picture } from "../server/picture";
@@ -99,7 +99,7 @@ function DamageLine({ reason }: { reason: string }) {
   return (
     <p class="card-care bad" title={reason}>
       <Icon name="warning" />
-      <span>The file is damaged: parts of it can't be read.</span>
+      <span>{DAMAGED.text}</span>
     </p>
   );
 }

@@ -20,7 +20,7 @@ export function looks_around(looks: readonly LabelLook[], isolation: Isolation |
   const around = shows_overlap(labels, isolation) ? ({ glass: true } as const) : {};
   return looks.map((look, label) => {
     const full = { ...look, visible: true, opacity: 1, faint: false };
-    if (labels[label]?.overlap && wanted.has(label)) return { ...full, color: OVERLAP };
+    if (labels[label]?.overlap && wanted.has(label)) return { ...full, color: OVERLAP, glass: false };
     return wanted.has(without_overlap(labels, label)) ? { ...full, ...around } : { ...look, faint: true };
   });
 }

@@ -135,11 +135,12 @@ export class Viewer {
   readonly oblique = signal<AxisIndex | null>(null); // the slice view in whose place the oblique view is
   readonly standard_sky: 1 | 2;
   readonly sky: Signal<1 | 2>; // the axis that is up in the overview: y or z
-  // Where the overview is to fly to, until it is on its way: a box in coordinates.
+  // Where the overview is to fly to, until it is on its way: a box in coordinates. Of a single point it keeps its distance, and stays where that
+  // is in sight.
   readonly visited = signal<[Range, Range, Range] | null>(null);
 
-  // The cell under the pointer, and the slice that it is in (null: the overview); null outside the grid.
-  readonly hover = signal<{ axis: AxisIndex | null; cell: Index3; point: [number, number, number]; labels: readonly number[] | null } | null>(null);
+  // The cell under the pointer, the slice that it is in (null: the overview), and the level of what its labels are of; null outside the grid.
+  readonly hover = signal<{ axis: AxisIndex | null; cell: Index3; point: [number, number, number]; labels: readonly number[] | null; level?: number } | null>(null);
   // The plane within the mixed cell under the pointer.
   readonly cut = signal<{ cell: Index3; plane: Plane } | null>(null);
   // A cell that a click keeps in the read-out.
@@ -283,6 +284,13 @@ export class Viewer {
     batch(() => {
       this.set_cell(cell);
       this.centre.value = this.centre_of(this.cell.value);
+    });
+  }
+  // The same in the overview, too, where the cell isn't in sight.
+  look_at_cell(cell: Index3): void {
+    batch(() => {
+      this.go_to_cell(cell);
+      this.visited.value = for_axes((d) => ({ min: this.centre.value[d], max: this.centre.value[d] }));
     });
   }
   go_to(point: readonly [number, number, number]): void {

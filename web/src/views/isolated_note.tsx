@@ -9,11 +9,12 @@ export function IsolatedNote({ viewer }: { viewer: Viewer }) {
     <div class="isolated-note" role="status">
       {isolated && (
         <p>
-          <svg viewBox="0 0 16 16" width="16" height="16" aria-hidden="true" fill="none" stroke="currentColor" stroke-width="1.5" stroke-linecap="round">
-            <path d="M8 1.5v4M8 10.5v4M1.5 8h4M10.5 8h4M8 12a4 4 0 1 0 0-8 4 4 0 0 0 0 8z" />
-          </svg>
-          <span>Isolated:</span>
-          <b title={text!}>{text}</b>
+          <span title={text!}>
+            <svg viewBox="0 0 16 16" width="16" height="16" aria-hidden="true" fill="none" stroke="currentColor" stroke-width="1.5" stroke-linecap="round">
+              <path d="M8 1.5v4M8 10.5v4M1.5 8h4M10.5 8h4M8 12a4 4 0 1 0 0-8 4 4 0 0 0 0 8z" />
+            </svg>
+            Isolated: <b>{text}</b>
+          </span>
           <button title="Show everything as it was (Escape)" onClick={() => (viewer.isolated.value = null)}>
             Show all again
           </button>

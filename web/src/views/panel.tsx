@@ -59,8 +59,12 @@ function Title({ stage, viewer, axis }: { stage: Stage; viewer: Viewer; axis: Ax
         </span>
       )}
       {stage.damaged[axis].value && (
-        <span class="view-damaged" role="status" title="This part of the file can't be read. “teracell verify” says what is damaged.">
-          <span class="view-wide">striped: </span>unreadable
+        <span
+          class={level > 0 ? "view-damaged view-afar" : "view-damaged"}
+          role="status"
+          title={level > 0 ? "Zoomed in, more of it may be readable." : "This part of the file can't be read. “teracell verify” says what is damaged."}
+        >
+          <span class="view-wide">striped: </span>unreadable{level > 0 && " at this zoom"}
         </span>
       )}
       {stage.together[axis].value && viewer.body_looks.value.size > 0 && (

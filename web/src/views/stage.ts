@@ -333,15 +333,17 @@ export class Stage {
       return;
     }
     const { u, v, w } = FRAMES[view.axis];
-    const set = view.finest_at(this.store, cell[w], cell[u], cell[v], viewer.info.levels.length);
-    const labels = set === null ? null : this.sets.members(set);
+    const finest = view.finest_at(this.store, cell[w], cell[u], cell[v], viewer.info.levels.length);
+    const labels = finest && this.sets.members(finest.set);
+    const level = finest?.level ?? 0;
     const same =
       before &&
       before.axis === view.axis &&
       before.labels === labels &&
+      before.level === level &&
       before.point.every((x, d) => x === point[d]) &&
       before.cell[w] === cell[w];
-    if (!same) viewer.hover.value = { axis: view.axis, cell, point, labels };
+    if (!same) viewer.hover.value = { axis: view.axis, cell, point, labels, level };
   }
 
   private stop(): void {

@@ -171,11 +171,11 @@ export class View {
     return number > UNKNOWN ? number : null;
   }
 
-  // The number of the set at a cell of the slice, from the finest tile that is there; null when there is none.
-  finest_at(store: TileStore<Tile>, slice: number, u: number, v: number, levels: number): number | null {
+  // The number of the set at a cell of the slice, and its level, from the finest tile that is there; null when there is none.
+  finest_at(store: TileStore<Tile>, slice: number, u: number, v: number, levels: number): { set: number; level: number } | null {
     for (let level = 0; level < levels; ++level) {
       const tile = store.find({ axis: this.axis, index: slice >> level, level, column: (u >> level) >> 9, row: (v >> level) >> 9 });
-      if (tile) return set_at(tile, u, v);
+      if (tile) return { set: set_at(tile, u, v), level };
     }
     return null;
   }

@@ -47,8 +47,10 @@ export function Views({ viewer }: { viewer: Viewer }) {
         <SlicePanel key={axis} stage={stage} viewer={viewer} axis={axis} />
       ))}
       <OverviewPanel stage={stage} viewer={viewer} />
-      <IsolatedNote viewer={viewer} />
-      <ToolNote viewer={viewer} />
+      <div class="view-notes">
+        <IsolatedNote viewer={viewer} />
+        <ToolNote viewer={viewer} />
+      </div>
     </div>
   );
 }

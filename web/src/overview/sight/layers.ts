@@ -18,8 +18,7 @@ export function substance_of({ looks, mode, small }: Sight, label: number): Subs
   const look = looks[label]!;
   if (!look.visible || look.opacity === 0) return null;
   if (look.faint) return "faint";
-  if (look.glass) return "glass";
-  if (mode === "glass" && look.faint === undefined && !small.has(label)) return "glass";
+  if (look.glass ?? (mode === "glass" && !small.has(label))) return "glass";
   return look.opacity >= 1 ? "solid" : "clear";
 }
 

@@ -88,6 +88,14 @@ export function fitted(half: Readonly<Vec3>, azimuth: number, elevation: number,
   return { ...orbit, distance };
 }
 
+// Whether a point lies near what the camera looks at: within the picture, and not much farther away.
+export function in_sight(orbit: Orbit, p: Readonly<Vec3>, aspect: number): boolean {
+  const b = basis(orbit);
+  const { x, y } = reach(aspect);
+  const from = add(p, orbit.target, -1);
+  return Math.abs(dot(from, b.right)) < x * orbit.distance && Math.abs(dot(from, b.up)) < y * orbit.distance && Math.abs(dot(from, b.back)) < orbit.distance;
+}
+
 export const HOME = { azimuth: -122, elevation: 24 };
 // The direction from the upper or the lower end of an axis.
 export const straight = (axis: number, from_above: boolean, sky: Sky = 2): { azimuth: number; elevation: number } =>

@@ -1,7 +1,7 @@
 // Where the overview is looked at from: the viewer's orbit, in the overview's space, and flights from one view to
 // another.
 import type { Viewer } from "../../state/viewer";
-import { FARTHEST, HOME, type Orbit, between, fitted } from "./camera";
+import { FARTHEST, HOME, type Orbit, between, fitted, in_sight } from "./camera";
 import { type Space, type Vec3, from_space, point_to_space } from "./space";
 
 const FLIGHT = 320; // milliseconds from view to view
@@ -28,6 +28,10 @@ export class Viewpoint {
     const half = high.map((x, d) => (x - low[d]!) / 2) as Vec3;
     const fits = fitted(half, azimuth, elevation, this.aspect, 0.8, this.viewer.sky.value);
     return { ...fits, target: high.map((x, d) => (x + low[d]!) / 2) as Vec3, distance: Math.min(Math.max(fits.distance, nearest), FARTHEST) };
+  }
+
+  sees(point: Vec3): boolean {
+    return in_sight(this.orbit, point, this.aspect);
   }
 
   get orbit(): Orbit {
