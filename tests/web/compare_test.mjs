@@ -276,6 +276,16 @@ test("the whole grids are counted as teracell diff counts them, and a change is 
       assert.deepEqual(await state(page, "box"), change.box);
     }
   }
+  const sum = (is) => expected.changes.filter(is).reduce((cells, change) => cells + change.cells, 0);
+  const totals = [sum(({ from }) => from === "air"), sum(({ to }) => to === "air"), sum(({ from, to }) => from !== "air" && to !== "air")];
+  for (const [n, total] of totals.entries()) assert.equal(await digits(page.locator(".comparison-panel .comparison-marks b").nth(n)), String(total));
+  // The view in three dimensions comes to the change that was gone to last.
+  const { box } = expected.changes.at(-1);
+  await page.getByRole("button", { name: /^3D/ }).click();
+  await page.waitForFunction(() => teracell.viewer.layout.value === "3d" && teracell.viewer.orbit.value !== null);
+  assert.deepEqual(await state(page, "box"), box);
+  const looked_at = await page.evaluate(() => teracell.viewer.axes.map((axis, d) => axis.cell_at(teracell.viewer.orbit.value.target[d])));
+  assert.ok(looked_at.every((i, d) => i >= box[d] && i <= box[d + 3]), `it looks at ${looked_at}, not at ${box}`);
   await close(page);
 });
 

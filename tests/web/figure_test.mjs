@@ -140,6 +140,13 @@ test("what can't be made is said, and can't be saved; Escape closes, and what wa
   await page.getByRole("dialog").waitFor({ state: "hidden" });
   await page.waitForFunction(() => !teracell.viewer.figure.value); // a closed dialog says so later
   await page.keyboard.press("f");
-  assert.equal(await page.getByLabel("Title", { exact: true }).inputValue(), "Mine");
+  const title = page.getByLabel("Title", { exact: true });
+  assert.equal(await title.inputValue(), "Mine");
+  // A title from the view is of what was chosen last.
+  await page.getByRole("button", { name: "Title from the view" }).click();
+  await choose(page, { What: "x" });
+  assert.match(await title.inputValue(), /^graded, x = /);
+  await choose(page, { What: "3d" });
+  assert.equal(await title.inputValue(), "graded");
   await close(page);
 });

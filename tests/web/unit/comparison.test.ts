@@ -3,7 +3,7 @@ import assert from "node:assert/strict";
 import test from "node:test";
 import { axes_of } from "@page/base/axis";
 import { AXES, type AxisIndex, type AxisJson, type GridInfo, type Index3 } from "@page/base/grid";
-import { common_bounds, in_units, link, looks_by_name, middle_of, new_comparison, slices_meet, toggle_comparison, unequal_cells } from "@page/state/comparison";
+import { common_bounds, in_units, link, looks_by_name, middle_of, new_comparison, slices_meet, toggle_comparison, totals_of, unequal_cells } from "@page/state/comparison";
 import { Viewer } from "@page/state/viewer";
 import { random_of, whole } from "./random";
 
@@ -158,4 +158,10 @@ test("a comparison begins with a grid of as many cells, or else another one, or 
   assert.equal(chosen(summary("a", 5), summary("g", 4)), "a");
   assert.equal(chosen(summary("g", 4)), "g");
   assert.equal(chosen(), "g");
+});
+
+test("what differs is added, removed or of another material, by the background of each grid, and counted exactly", () => {
+  const change = (from: string, to: string, cells: string) => ({ from, to, cells: Number(cells), cells_text: cells, box: [0, 0, 0, 1, 1, 1] as [number, number, number, number, number, number] });
+  const changes = [change("air", "steel", "9007199254740993"), change("air", "gold", "2"), change("steel", "void", "7"), change("void", "air", "5")];
+  assert.deepEqual(totals_of(changes, "air", "void"), { added: 9007199254740995n, removed: 7n, differs: 5n });
 });

@@ -1,10 +1,10 @@
 // The materials in both grids at the pointer or, without one, at the crosshair; and how exact the marks of differences are.
 import type { Signal } from "@preact/signals";
 import { FRAMES } from "../base/axis";
-import { coordinate } from "../base/format";
+import { coordinate, grouped } from "../base/format";
 import { AXES, AXIS_NAMES, type AxisIndex } from "../base/grid";
 import { LabelNames } from "../dock/label_names";
-import { slices_meet } from "../state/comparison";
+import { type Totals, slices_meet } from "../state/comparison";
 import type { Comparison } from "../state/viewer";
 import type { Stage } from "../views/stage";
 import type { Pair } from "./pair";
@@ -18,19 +18,18 @@ function labels_at({ viewer, views, store, sets }: Stage, axis: AxisIndex, point
   return finest && sets.members(finest.set);
 }
 
-// Added is what only the grid on the right has.
-export function DifferenceMarks() {
+// Added is what only the grid on the right has. `totals`: how many cells of each.
+export function DifferenceMarks({ totals }: { totals?: Totals }) {
+  const mark = (kind: keyof Totals, words: string) => (
+    <span>
+      <span class={`mark-of ${kind}`} /> {words} {totals && <b>{grouped(totals[kind])}</b>}
+    </span>
+  );
   return (
     <>
-      <span>
-        <span class="mark-of added" /> added
-      </span>
-      <span>
-        <span class="mark-of removed" /> removed
-      </span>
-      <span>
-        <span class="mark-of differs" /> other material
-      </span>
+      {mark("added", "added")}
+      {mark("removed", "removed")}
+      {mark("differs", "other material")}
     </>
   );
 }

@@ -1,5 +1,5 @@
 // What the page shows while two slices are compared, in place of the views and the read-out.
-import type { Signal } from "@preact/signals";
+import { type Signal, signal } from "@preact/signals";
 import { useEffect, useMemo, useRef } from "preact/hooks";
 import type { GridInfo, GridSummary } from "../base/grid";
 import { use_answer } from "../server/answer";
@@ -14,7 +14,7 @@ import { ComparedPoint, ComparedSpaces } from "./compared_spaces";
 import { ComparedPlace } from "./compared_place";
 import { show_differences } from "./difference_picture";
 import { OtherPointer } from "./other_pointer";
-import { Pair } from "./pair";
+import { type GoneTo, Pair } from "./pair";
 import { WholeDifference } from "./whole_difference";
 import { WipeHandle } from "./wipe_handle";
 
@@ -53,7 +53,8 @@ function Slices({ pair, comparison }: { pair: Pair; comparison: OpenComparison }
 
 function Opened({ viewer, comparison, info }: { viewer: Viewer; comparison: OpenComparison; info: GridInfo }) {
   const { space } = comparison.value;
-  const pair = useMemo(() => new Pair(viewer, info), [viewer, info, space]);
+  const gone_to = useMemo((): GoneTo => ({ box: signal(null), visited: signal(null) }), [viewer, info]);
+  const pair = useMemo(() => new Pair(viewer, info, gone_to), [viewer, info, space]);
   return (
     <>
       <main class="views-area" aria-label={space ? "Grids that are compared" : "Slices that are compared"}>

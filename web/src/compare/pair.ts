@@ -11,6 +11,10 @@ import { Stage } from "../views/stage";
 import { attach_sweep } from "../views/sweep";
 import { expose } from "../views/testing";
 
+// The box of a change that was gone to, and whether the view in three dimensions is still to frame it. Slices and that view have pairs of their own;
+// this is of both.
+export type GoneTo = Pick<Viewer, "box" | "visited">;
+
 export class Pair {
   readonly left: Stage;
   readonly right: Stage;
@@ -24,6 +28,7 @@ export class Pair {
   constructor(
     private readonly page: Viewer,
     other: GridInfo,
+    gone_to: GoneTo,
   ) {
     this.comparison = page.compare;
     const right = in_units(other, page.info.units);
@@ -34,7 +39,7 @@ export class Pair {
       bounds: common_bounds(...axes),
       finest: Math.min(...axes.flat().map((axis) => axis.finest)),
       layout: signal<Layout>("z"),
-      box: signal(null),
+      ...gone_to,
     };
     this.left = new Stage(new Viewer(page.info, { ...shared, cell: page.cell, looks: page.looks, body_looks: page.body_looks }));
     this.right = new Stage(new Viewer(right, shared));

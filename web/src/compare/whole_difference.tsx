@@ -8,17 +8,16 @@ import { BoxText } from "../panels/places";
 import { FirstOf } from "../panels/first_of";
 import { use_answer } from "../server/answer";
 import { get_json } from "../server/api";
-import { unequal_cells } from "../state/comparison";
+import { exact, totals_of, unequal_cells } from "../state/comparison";
 import type { Box, Comparison } from "../state/viewer";
 import { CodeLine } from "../widgets/copy";
 import { Swatch } from "../widgets/swatch";
+import { DifferenceMarks } from "./compared_place";
 import type { Pair } from "./pair";
 
 const MANY = 50; // changes that are listed at first
 
 const in_slice = (box: Box, axis: AxisIndex, slice: number): Box => box.map((end, n) => (n === axis ? slice : n === axis + 3 ? slice + 1 : end)) as Box;
-
-const exact = (cells: number, text: string | undefined) => BigInt(text ?? cells);
 
 function Named({ pair, name }: { pair: Pair; name: string }) {
   const sides = [pair.left.viewer, pair.right.viewer];
@@ -87,6 +86,7 @@ function ChangeLine({ pair, comparison, change, all }: { pair: Pair; comparison:
 }
 
 function Counted({ pair, comparison, difference }: { pair: Pair; comparison: Signal<Comparison>; difference: Difference }) {
+  const [left, right] = [pair.left.viewer, pair.right.viewer];
   const all = exact(difference.cells, difference.cells_text);
   const differing = all - exact(difference.same, difference.same_text);
   if (differing === 0n) return <p>All of {grouped(all)} cells have the same material in both.</p>;
@@ -95,6 +95,9 @@ function Counted({ pair, comparison, difference }: { pair: Pair; comparison: Sig
       <p>
         <b>{grouped(differing)}</b> of {plural(all, "cell")} {differing === 1n ? "differs" : "differ"}{" "}
         <span class="faint nowrap">({percent(Number(differing) / Number(all))})</span>. Counted exactly, by the names of materials.
+      </p>
+      <p class="comparison-marks">
+        <DifferenceMarks totals={totals_of(difference.changes, left.info.materials[0]!.name, right.info.materials[0]!.name)} />
       </p>
       <FirstOf class="changes" list={difference.changes} step={MANY}>
         {(change) => <ChangeLine key={`${change.from} → ${change.to}`} pair={pair} comparison={comparison} change={change} all={all} />}

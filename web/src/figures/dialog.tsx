@@ -103,7 +103,8 @@ function Content({ viewer }: { viewer: Viewer }) {
   const options = choices.value;
   const [state, set_state] = useState<{ text: string; busy: boolean }>({ text: "", busy: false });
   const set = (what: Partial<FigureOptions>) => {
-    choices.value = { ...options, ...what };
+    const now = { ...options, ...what };
+    choices.value = typed_for || now.title === "" ? now : { ...now, title: standard_title(viewer, now) }; // a title from the view follows what is chosen
     if (!state.busy) set_state({ text: "", busy: false }); // what was said was about another figure
   };
   const set_title = (title: string, by: Viewer | null) => {

@@ -9,7 +9,7 @@ import { CanvasSheet } from "./canvas_sheet";
 import { type Layout, NARROWEST, type Place, SIZE, TITLE, laid_out, laid_out_together, panel_width, planes_within } from "./layout";
 import { type FigureOptions, has_space, points_of } from "./options";
 import { with_density } from "./png";
-import { type Sheet, text_width } from "./sheet";
+import { type Box, type Sheet, text_width } from "./sheet";
 import { slice_subject } from "./slice_subject";
 import type { Picture, Subject } from "./subject";
 import { SvgSheet } from "./svg_sheet";
@@ -66,7 +66,7 @@ function slice_words(viewer: Viewer, axis: AxisIndex): string {
 }
 
 // One picture with what stands around it.
-function draw_panel(sheet: Sheet, viewer: Viewer, options: FigureOptions, { subject, layout, heading }: Panel, paint: () => void): void {
+function draw_panel(sheet: Sheet, viewer: Viewer, options: FigureOptions, { subject, layout, heading, bar }: Panel, paint: () => void): void {
   const { ink } = COLORS[options.ground];
   const { plot } = layout;
   paint();
@@ -99,13 +99,17 @@ function draw_panel(sheet: Sheet, viewer: Viewer, options: FigureOptions, { subj
     sheet.text(subject.axes[0].name, plot.x + plot.width / 2, layout.names!.across, { ...text, align: "center" });
     sheet.text(subject.axes[1].name, layout.names!.up, plot.y + plot.height / 2, { ...text, align: "center", upright: true });
   }
-  if (!options.bar) return;
-  const length = round_length(subject.length / BAR);
-  const width = (length / subject.length) * plot.width;
-  const [x, y] = [plot.x + plot.width - 8 - width, plot.y + plot.height - 8];
-  sheet.fill({ x: x - 5, y: y - 13, width: width + 10, height: 18 }, options.ground === "black" ? "#000000" : "#ffffff", 0.75); // legible on any material
-  sheet.fill({ x, y: y - 1, width, height: 2 }, ink);
-  sheet.text(length_text(length, viewer.info.units), x + width / 2, y - 7, { ...text, align: "center" });
+  if (!bar) return;
+  const { x, y, width } = bar.box;
+  sheet.fill(bar.box, options.ground === "black" ? "#000000" : "#ffffff", 0.75); // legible on any material
+  sheet.fill({ x: x + 5, y: y + 12, width: width - 10, height: 2 }, ink);
+  sheet.text(length_text(bar.length, viewer.info.units), x + width / 2, y + 6, { ...text, align: "center" });
+}
+
+function bar_of({ length: all }: Subject, { plot }: Layout): Bar {
+  const length = round_length(all / BAR);
+  const width = (length / all) * plot.width + 10;
+  return { length, box: { x: plot.x + plot.width - 3 - width, y: plot.y + plot.height - 21, width, height: 18 } };
 }
 
 function draw(sheet: Sheet, viewer: Viewer, options: FigureOptions, drawing: Drawing, paint: (panel: Panel) => void): void {
@@ -139,7 +143,7 @@ async function subjects_of(viewer: Viewer, options: FigureOptions, points: numbe
   });
   const space = async (heading: string, along?: AxisIndex): Promise<Wanted> => {
     const { space_subject } = await import("./space_subject");
-    return { heading, subject: await space_subject(viewer, { crop: options.crop, axes: options.axes, points, ink, ...(along !== undefined && { along }) }, signal) };
+    return { heading, subject: await space_subject(viewer, { crop: options.crop, axes: options.axes, bar: options.bar, points, ink, ...(along !== undefined && { along }) }, signal) };
   };
   if (options.subject === "3d") return [await space("")];
   if (options.subject === "four") return [await slice(2), await slice(0), await slice(1), await space("3D")];
@@ -150,10 +154,16 @@ async function subjects_of(viewer: Viewer, options: FigureOptions, points: numbe
 const MOST = 64e6; // pixels
 const SHAPES = 8192; // pixels across, as fine as which shapes are at most
 
+interface Bar {
+  readonly length: number;
+  readonly box: Box; // that it takes of the plot
+}
+
 interface Panel {
   readonly subject: Subject;
   readonly picture: Picture;
   readonly layout: Layout;
+  readonly bar: Bar | null;
   readonly heading: { readonly text: string; readonly size: number };
 }
 
@@ -192,14 +202,15 @@ async function drawing_of(viewer: Viewer, options: FigureOptions, scale_for: (si
   const layout = layout_of(legend.map(({ name }) => name));
   const panels = wanted.map(({ subject, heading }, n): Panel => {
     const alone = wanted.length === 1;
-    return { subject, picture: pictures[n]!, layout: layout.panels[n]!, heading: { text: alone ? options.title : heading, size: alone ? TITLE : SIZE + 1 } };
+    const own = layout.panels[n]!;
+    return { subject, picture: pictures[n]!, layout: own, bar: options.bar ? bar_of(subject, own) : null, heading: { text: alone ? options.title : heading, size: alone ? TITLE : SIZE + 1 } };
   });
   return { scale, width: layout.width, height: layout.height, title: layout.title, panels, legend, places: layout.legend };
 }
 
 function on_canvas(viewer: Viewer, options: FigureOptions, drawing: Drawing): HTMLCanvasElement {
   const sheet = new CanvasSheet(drawing.width, drawing.height, drawing.scale);
-  draw(sheet, viewer, options, drawing, ({ picture, layout }) => picture.paint(sheet, layout));
+  draw(sheet, viewer, options, drawing, ({ picture, layout, bar }) => picture.paint(sheet, layout, bar?.box));
   return sheet.canvas;
 }
 

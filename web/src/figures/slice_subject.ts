@@ -11,6 +11,7 @@ import type { Picture, Subject } from "./subject";
 
 const MOST_SHAPES = 200_000;
 const ROUGHLY = 1000; // pixels in which the content is looked for
+const MARGIN = 0.03; // around the content, as a share of its longer side, as far as the domain reaches
 
 // What the view shows on the screen; the whole slice where no view shows it.
 function screen_window(viewer: Viewer, axis: AxisIndex): Window {
@@ -27,11 +28,16 @@ function screen_window(viewer: Viewer, axis: AxisIndex): Window {
 
 async function window_of(viewer: Viewer, axis: AxisIndex, crop: FigureOptions["crop"], looks: readonly LabelLook[], signal: AbortSignal): Promise<Window> {
   const { u, v } = FRAMES[axis];
-  const whole = whole_window(viewer.axes[u], viewer.axes[v]);
+  const [across, up] = [viewer.axes[u], viewer.axes[v]];
+  const whole = whole_window(across, up);
   if (crop === "whole") return whole;
   const screen = screen_window(viewer, axis);
   if (crop === "screen" && screen.u1 > screen.u0 && screen.v1 > screen.v0) return screen;
-  return content_of(await fetch_cells(viewer, axis, whole, ROUGHLY, signal), looks) ?? whole;
+  const content = content_of(await fetch_cells(viewer, axis, whole, ROUGHLY, signal), looks);
+  if (!content) return whole;
+  const { u0, u1, v0, v1 } = content;
+  const margin = MARGIN * Math.max(u1 - u0, v1 - v0);
+  return { u0: across.inside(u0 - margin), u1: across.inside(u1 + margin), v0: up.inside(v0 - margin), v1: up.inside(v1 + margin) };
 }
 
 // Fetches cells that are as fine as the picture, or, for shapes, coarser ones if there would be too many.

@@ -16,7 +16,7 @@ const ROUGHLY = 400; // pixels in which the content is looked for
 const [MOST, LONGEST] = [2 ** 26, 2 ** 14]; // pixels of a whole picture of which the server shows parts, and of its sides
 const MARGIN = 0.01; // around the content, as a share of the whole width
 const FARTHEST = 0.3; // of the view, beyond its borders: so far a figure shows the domain with the view
-const ROOM = { across: 44, above: 8, below: 28 }; // points beside the domain, for coordinates
+const ROOM = { across: 44, above: 8, below: 28, bar: 20 }; // points beside the domain, for coordinates, and below these for a scale bar
 
 // The shape of the view on the page.
 function panel_aspect(): number {
@@ -64,12 +64,13 @@ const around = (a: Part, b: Part): Part => ({ x0: Math.min(a.x0, b.x0), y0: Math
 export interface SpaceWish {
   readonly crop: FigureOptions["crop"];
   readonly axes: boolean; // the domain with coordinates
+  readonly bar: boolean; // a scale bar
   readonly points: number; // the figure's width
   readonly ink: string;
   readonly along?: 0 | 1 | 2; // seen from the upper end of an axis, in place of where the page looks from
 }
 
-export async function space_subject(viewer: Viewer, { crop, axes, points, ink, along }: SpaceWish, signal: AbortSignal): Promise<Subject> {
+export async function space_subject(viewer: Viewer, { crop, axes, bar, points, ink, along }: SpaceWish, signal: AbortSignal): Promise<Subject> {
   const space = space_of(viewer.axes);
   const aspect = panel_aspect();
   const viewpoint = new Viewpoint(viewer, space, aspect);
@@ -82,8 +83,8 @@ export async function space_subject(viewer: Viewer, { crop, axes, points, ink, a
   if (box && Math.min(box.x0, box.y0) > -FARTHEST && Math.max(box.x1, box.y1) < 1 + FARTHEST) {
     page = seen ? around(seen, box) : around(page, box);
     const per_share = Math.max(points - 2 * ROOM.across, points / 4) / (page.x1 - page.x0);
-    const dx = ROOM.across / per_share;
-    page = { x0: page.x0 - dx, y0: page.y0 - (ROOM.above * aspect) / per_share, x1: page.x1 + dx, y1: page.y1 + (ROOM.below * aspect) / per_share };
+    const [dx, below] = [ROOM.across / per_share, ROOM.below + (bar ? ROOM.bar : 0)];
+    page = { x0: page.x0 - dx, y0: page.y0 - (ROOM.above * aspect) / per_share, x1: page.x1 + dx, y1: page.y1 + (below * aspect) / per_share };
   }
   const [across, up] = [page.x1 - page.x0, page.y1 - page.y0];
   const part = { x0: Math.max(page.x0, 0), y0: Math.max(page.y0, 0), x1: Math.min(page.x1, 1), y1: Math.min(page.y1, 1) }; // of it, what has pixels
@@ -110,7 +111,7 @@ export async function space_subject(viewer: Viewer, { crop, axes, points, ink, a
       return {
         labels: [...labels].sort((a, b) => a - b),
         note: fewer < 1 ? `Drawn with ${picture.width} pixels, the most that are made, and enlarged.` : "Cells of at most a quarter of a pixel.",
-        paint: (sheet, { plot }) => {
+        paint: (sheet, { plot }, taken) => {
           const w = plot.width / across; // of the whole view
           const h = w / aspect;
           const placing = { view: projection_of(orbit, w, h), x: plot.x - page.x0 * w, y: plot.y - page.y0 * h };
@@ -123,7 +124,7 @@ export async function space_subject(viewer: Viewer, { crop, axes, points, ink, a
           context.drawImage(picture, placing.x + (x0 / width) * w, placing.y + (y0 / height) * h, (picture.width / width) * w, (picture.height / height) * h);
           if (axes) {
             draw_edges(sheet, placing, space, ink, false);
-            draw_coordinates(sheet, placing, viewer, space, ink);
+            draw_coordinates(sheet, placing, viewer, space, ink, taken);
           }
           context.restore();
         },

@@ -2,13 +2,14 @@
 import type { Axis } from "../base/axis";
 import type { Layout, Scale } from "./layout";
 import type { CanvasSheet } from "./canvas_sheet";
+import type { Box } from "./sheet";
 import type { SvgSheet } from "./svg_sheet";
 
 // A picture that has come.
 export interface Picture {
   readonly labels: readonly number[]; // that are seen in it
   readonly note: string; // how exact it is
-  paint(sheet: CanvasSheet, layout: Layout): void;
+  paint(sheet: CanvasSheet, layout: Layout, bar?: Box): void; // the scale bar's box is kept free of coordinates
   outline?(sheet: SvgSheet, layout: Layout): void; // as shapes
 }
 

@@ -1,6 +1,5 @@
-// The lengths of measured lines, above their middles, or below where another one is there. What finds no room is left out; the panel lists all.
-import { length_text } from "../base/lengths";
-import { length_of } from "../state/measures";
+// The names and lengths of measured lines, above their middles, or below where another one is there. What finds no room is left out; the panel lists all.
+import { label_of_measure } from "../state/measures";
 import type { Measure, Viewer } from "../state/viewer";
 import { element } from "./dom";
 import { type Rect, apart, around } from "./numbers";
@@ -21,7 +20,7 @@ export function make_lengths(viewer: Viewer, space: Space) {
       const texts = chosen_first.flatMap((measure) => {
         const { x, y, far } = project(view, point_to_space(space, measure.from.map((x, d) => (x + measure.to[d]!) / 2)));
         if (!(far > 0)) return [];
-        const text = length_text(length_of(measure), viewer.info.units, 5);
+        const text = label_of_measure(measure, viewer.info.units);
         const places = [y - ABOVE, y + ABOVE].map((y) => ({ x, y, rect: around({ x, y }, [CHARACTER * text.length + SIDES, HEIGHT]) }));
         const free = places.find(({ rect }) => used.every((other) => apart(other, rect)));
         if (!free) return [];

@@ -3,7 +3,7 @@
 import { type Signal, batch, effect } from "@preact/signals";
 import type { Axis } from "../base/axis";
 import { sizes, unit_name } from "../base/format";
-import { AXES, AXIS_NAMES, type AxisIndex, type AxisJson, type GridInfo, type GridSummary, type Index3, type Material, for_axes } from "../base/grid";
+import { AXES, AXIS_NAMES, type AxisIndex, type AxisJson, type Change, type GridInfo, type GridSummary, type Index3, type Material, for_axes } from "../base/grid";
 import { METRES } from "../base/lengths";
 import type { MaterialLook } from "../base/materials";
 import { COMPARISON_MODES, type Comparison, type ComparisonMode, type Viewer } from "./viewer";
@@ -111,6 +111,21 @@ export function unequal_cells(a: GridInfo, b: GridInfo): string | null {
   if (a.units !== b.units) return `one is in ${unit_name(a.units)}, the other in ${unit_name(b.units)}`;
   const [n, m] = [a.grid.cells, b.grid.cells];
   return AXES.every((d) => n[d] === m[d]) ? null : `one has ${sizes(n)} cells, the other ${sizes(m)}`;
+}
+
+export const exact = (cells: number, text: string | undefined): bigint => BigInt(text ?? cells);
+
+export interface Totals {
+  readonly added: bigint;
+  readonly removed: bigint;
+  readonly differs: bigint;
+}
+
+// The cells of all changes by their kind: where the grid on the left has nothing but its background, something was added.
+export function totals_of(changes: readonly Change[], left: string, right: string): Totals {
+  const totals = { added: 0n, removed: 0n, differs: 0n };
+  for (const { from, to, cells, cells_text } of changes) totals[from === left ? "added" : to === right ? "removed" : "differs"] += exact(cells, cells_text);
+  return totals;
 }
 
 // The looks of the materials on the right: those of the same name on the left, or else their own.

@@ -2,11 +2,13 @@
 import { batch } from "@preact/signals";
 import { csv_name } from "../base/format";
 import { type AxisIndex, for_axes } from "../base/grid";
+import { length_text } from "../base/lengths";
 import type { Measure, Viewer } from "./viewer";
 
 type Point = [number, number, number];
 
 export const length_of = ({ from, to }: Pick<Measure, "from" | "to">): number => Math.hypot(...for_axes((d) => to[d] - from[d]));
+export const label_of_measure = (m: Measure, units: string): string => `${m.name && `${m.name} · `}${length_text(length_of(m), units, 5)}`;
 export const name_of_measure = (m: Measure, n: number): string => m.name || `Line ${n + 1}`;
 
 export const next_id = (measures: readonly Measure[]): number => Math.max(0, ...measures.map(({ id }) => id)) + 1;

@@ -64,7 +64,7 @@ export type Shared = Partial<
   Pick<
     Viewer,
     | "bounds" | "finest" | "cell" | "centre" | "zoom" | "looks" | "body_looks" | "layout" | "help" | "show_axes" | "show_scale" | "show_lines" | "show_outline" | "show_leaves" | "refinement"
-    | "tool" | "measures" | "chosen" | "measuring" | "box" | "orbit" | "bodies" | "plane_normal" | "sky"
+    | "tool" | "measures" | "chosen" | "measuring" | "box" | "visited" | "orbit" | "bodies" | "plane_normal" | "sky"
   >
 >;
 

@@ -1,5 +1,5 @@
 // The parts of an overlay that people put there: the pinned cell, the box, markers, the measured line.
-import { length_of } from "../state/measures";
+import { label_of_measure } from "../state/measures";
 import type { Box, Measure } from "../state/viewer";
 import { grouped } from "../base/format";
 import type { AxisIndex } from "../base/grid";
@@ -64,6 +64,8 @@ export function line_in_cell(
   return ends.length === 2 ? [ends[0]!, ends[1]!] : null;
 }
 
+const BELOW_HEADING = 46; // CSS pixels from the top of a view, where a line of text is free of the heading
+
 export function draw_box(pen: Pen, box: Box | null): void {
   if (!box) return;
   const { frame, axis, viewer } = pen;
@@ -74,7 +76,8 @@ export function draw_box(pen: Pen, box: Box | null): void {
   const { camera } = pen;
   const sizes = [frame.u, frame.v].map((d) => length_text(viewer.axes[d]!.plane(box[d + 3]!) - viewer.axes[d]!.plane(box[d]!), viewer.info.units, 4));
   const { left, right, top } = camera.place_of(extent_in(frame, box));
-  if (right > 0 && left < camera.width && top < camera.height && top > -16) pen.plate(sizes.join(" × "), (left + right) / 2, top - 18, pen.ink.accent);
+  const y = top - 18 < BELOW_HEADING ? Math.max(top + 18, BELOW_HEADING) : top - 18;
+  if (right > 0 && left < camera.width && top < camera.height && top > -16) pen.plate(sizes.join(" × "), (left + right) / 2, y, pen.ink.accent);
 }
 
 const LONGEST = 60; // letters beside a marker
@@ -186,6 +189,6 @@ function draw_measure(pen: Pen, measure: Measure, is_chosen: boolean): void {
   pen.path([[x0 - nx, y0 - ny], [x0 + nx, y0 + ny]], ink.accent, { width });
   pen.path([[x1 - nx, y1 - ny], [x1 + nx, y1 + ny]], ink.accent, { width });
   pen.path([[x0, y0], [x1, y1]], ink.accent, { width, dash: elsewhere ? ELSEWHERE : [] });
-  const length = length_text(length_of(measure), viewer.info.units, 5);
-  pen.plate(is_chosen && measure.axis !== null ? `${length} · ${cells_text(pen, measure)}` : length, (x0 + x1) / 2, (y0 + y1) / 2 - 18, ink.accent);
+  const label = label_of_measure(measure, viewer.info.units);
+  pen.plate(is_chosen && measure.axis !== null ? `${label} · ${cells_text(pen, measure)}` : label, (x0 + x1) / 2, (y0 + y1) / 2 - 18, ink.accent);
 }
