@@ -10,10 +10,10 @@ import { go_to_finding } from "../visits/go_there";
 import type { Viewer } from "../state/viewer";
 import { CodeLine } from "../widgets/copy";
 import { Select } from "../widgets/select";
-import { use_unfolded } from "../widgets/unfolded";
 import { KINDS, LEVEL_CARE } from "./finding_words";
 import { FirstOf } from "./first_of";
 import { GoThere, point_text } from "./places";
+import { use_unfolded } from "./unfolded";
 
 const MANY = 20; // findings listed at once
 const [WIDTH, HEIGHT] = [288, 180]; // CSS pixels of a picture
