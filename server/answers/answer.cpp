@@ -104,6 +104,17 @@ Response json_answer(const GridRequest& r, const char* route, std::function<std:
   return r.answer({.route = route, .content_type = kJsonType, .compress = true, .make = std::move(make)});
 }
 
+Index3 cell_asked_for(const GridRequest& r) {
+  const std::string* const text = r.target.find("cell");
+  if (!text) throw bad_request("missing cell: expected I,J,K, a cell of the grid");
+  const auto given = integers(*text, 3, "cell");
+  const Index3 cell = {given[0], given[1], given[2]}, n = r.meta().grid.cells();
+  for (int d = 0; d < 3; ++d)
+    if (cell[d] < 0 || cell[d] >= n[d])
+      throw bad_request(fmt::format("cell: expected one of the grid, along {} from 0 to {}, found {}", "xyz"[d], n[d] - 1, cell[d]));
+  return cell;
+}
+
 std::vector<bool> materials_asked_for(const GridRequest& r) {
   const std::string* const list = r.target.find("materials");
   if (!list) return {};

@@ -54,6 +54,7 @@ struct PixelWindow {
 PixelWindow window_of(const Target& target, int64_t width, int64_t height);
 // Of a picture or the part of it, as far as "?window=" or "?size=" says, otherwise infinitely many; the answer refuses what makes no sense.
 double pixels_asked_for(const Target& target);
+Index3 cell_asked_for(const GridRequest& r);  // "?cell=I,J,K": of level 0
 Box region_of(const GridRequest& r);  // "?region=X0,Y0,Z0,X1,Y1,Z1"; the whole grid without it
 
 // make() returns JSON.

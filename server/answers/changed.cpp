@@ -11,18 +11,14 @@ namespace {
 
 Response answer_changed(const GridRequest& r) {
   r.target.allow({"v", "with", "from", "to", "cell", "region"});
-  const auto text = [&](const char* name) -> const std::string& {
+  const auto text = [&](const char* name, const char* expected) -> const std::string& {
     const std::string* const out = r.target.find(name);
-    if (!out) throw bad_request(fmt::format("missing {}", name));
+    if (!out) throw bad_request(fmt::format("missing {}: expected {}", name, expected));
     return *out;
   };
-  const std::shared_ptr<const ServedGrid> other = r.service.grids().find(text("with"));
-  const std::string &from = text("from"), &to = text("to");
-  const auto at = integers(text("cell"), 3, "cell");
-  const Index3 n = r.meta().grid.cells();
-  for (size_t d = 0; d < 3; ++d)
-    if (at[d] < 0 || at[d] >= n[d]) throw bad_request(fmt::format("cell: expected one from 0,0,0 to {},{},{}", n[0] - 1, n[1] - 1, n[2] - 1));
-  const auto make = [&r, other, from, to, box = region_of(r), cell = Index3{at[0], at[1], at[2]}] {
+  const std::shared_ptr<const ServedGrid> other = r.service.grids().find(text("with", "the id of a second grid"));
+  const std::string &from = text("from", "the name of a material of this grid"), &to = text("to", "the name of a material of the second grid");
+  const auto make = [&r, other, from, to, box = region_of(r), cell = cell_asked_for(r)] {
     // The answer is kept for the grids of this moment.
     if (r.service.grids().find(other->id)->number != other->number) throw Replaced("grid '" + other->id + "' was replaced");
     std::string out;

@@ -13,17 +13,9 @@ namespace {
 Response answer_nearest(const GridRequest& r) {
   r.target.allow({"v", "labels", "cell"});
   const std::string* const list = r.target.find("labels");
-  const std::string* const place = r.target.find("cell");
-  if (!list || !place) throw bad_request(fmt::format("missing {}", list ? "cell: expected I,J,K" : "labels: expected numbers separated by commas"));
+  if (!list) throw bad_request("missing labels: expected numbers separated by commas");
   const size_t n = r.meta().labels.size();
-  const Index3 cells = r.meta().grid.cells();
-  const auto given = integers(*place, 3, "cell");
-  Index3 to;
-  for (int d = 0; d < 3; ++d) {
-    to[d] = given[static_cast<size_t>(d)];
-    if (to[d] < 0 || to[d] >= cells[d])
-      throw bad_request(fmt::format("cell: expected one of the grid, along {} from 0 to {}, found {}", "xyz"[d], cells[d] - 1, to[d]));
-  }
+  const Index3 to = cell_asked_for(r);
   std::vector<bool> labels(n);
   for (const std::string_view text : split(*list, ',')) {
     const auto label = plain_integer(text);
