@@ -192,17 +192,10 @@ class Options : OptionWords {
   }
 
   std::vector<bool> ranges(const std::string& text) const {
-    const std::string expected = fmt::format("numbers from 0 to {} and ranges of them, as in 1-4,7", meta_.labels.size() - 1);
-    std::vector<bool> out(meta_.labels.size());
-    if (text.empty()) return out;  // nothing is shown
-    for (const std::string_view word : split(text, ',')) {
-      const size_t dash = word.find('-');
-      const auto first = number_in<size_t>(word.substr(0, dash));
-      const auto last = dash == std::string_view::npos ? first : number_in<size_t>(word.substr(dash + 1));
-      if (!first || !last || *first > *last || *last >= out.size()) refuse("labels", expected, text);
-      for (size_t label = *first; label <= *last; ++label) out[label] = true;
-    }
-    return out;
+    if (text.empty()) return std::vector<bool>(meta_.labels.size());  // nothing is shown
+    const auto out = ranges_in(text, meta_.labels.size());
+    if (!out) refuse("labels", fmt::format("numbers from 0 to {} and ranges of them, as in 1-4,7", meta_.labels.size() - 1), text);
+    return *out;
   }
 
   Rgba color(const std::string& text) const {

@@ -5,6 +5,7 @@
 #include <queue>
 #include <tuple>
 
+#include "store/base/error.hpp"
 #include "store/base/wanted.hpp"
 #include "store/read/query.hpp"
 #include "store/read/stats.hpp"
@@ -64,18 +65,25 @@ std::optional<Index3> nearest_cell(const Grid& grid, const Nearest& what) {
   return std::nullopt;
 }
 
-std::optional<Index3> read_nearest(const GridReader& reader, const std::vector<bool>& labels, const Index3& to) {
+BoxAndNearest read_nearest(const GridReader& reader, const std::vector<bool>& labels, std::optional<Index3> to) {
   const Box box = read_box_of(reader, labels);
-  if (box.empty()) return std::nullopt;
-  Nearest what{.to = to, .box = box, .slack = 0.125};
-  for (int d = 0; d < 3; ++d) what.width[static_cast<size_t>(d)] = 1 / static_cast<double>(box.hi[d] - box.lo[d]);
+  if (box.empty()) return {box, std::nullopt};
+  Nearest what{.box = box, .slack = 0.125};
+  for (int d = 0; d < 3; ++d) {
+    what.to[d] = to ? (*to)[d] : (box.lo[d] + box.hi[d] - 1) / 2;
+    what.width[static_cast<size_t>(d)] = 1 / static_cast<double>(box.hi[d] - box.lo[d]);
+  }
   what.has = [&](int level, const Index3& cell) {
     bool out = false;
-    for_each_run(reader, level, {cell, {cell[0] + 1, cell[1] + 1, cell[2] + 1}},
-                 [&](const BoxRun& run) { out = std::ranges::any_of(*run.set, [&](Label label) { return labels[label]; }); });
+    try {
+      for_each_run(reader, level, {cell, {cell[0] + 1, cell[1] + 1, cell[2] + 1}},
+                   [&](const BoxRun& run) { out = std::ranges::any_of(*run.set, [&](Label label) { return labels[label]; }); });
+    } catch (const FormatError&) {
+      out = level > 0;  // below it may be what can be read
+    }
     return out;
   };
-  return nearest_cell(reader.meta().grid, what);
+  return {box, nearest_cell(reader.meta().grid, what)};
 }
 
 }  // namespace teracell::store

@@ -19,9 +19,14 @@ struct Nearest {
 inline constexpr size_t kMostOpen = size_t{1} << 20;
 std::optional<Index3> nearest_cell(const Grid& grid, const Nearest& what);
 
-// The nearest cell with one of these labels (by label). A distance along an axis counts as a share of the side of the box around all such cells:
-// of a wide, flat hall the stands at the sides are nearer to its middle than the floor below, and a slice through them shows more. Another cell
-// may be nearer by an eighth.
-std::optional<Index3> read_nearest(const GridReader& reader, const std::vector<bool>& labels, const Index3& to);
+// The box around all cells with one of these labels (by label), and the one of them that is nearest to a place, the middle of the box by default.
+// None where there is none that can be read, or none is found soon (see above). A distance along an axis counts as a share of the side of the box
+// around all such cells: of a wide, flat hall the stands at the sides are nearer to its middle than the floor below, and a slice through them shows
+// more. Another cell may be nearer by an eighth.
+struct BoxAndNearest {
+  Box box;  // empty when there is no cell
+  std::optional<Index3> cell;
+};
+BoxAndNearest read_nearest(const GridReader& reader, const std::vector<bool>& labels, std::optional<Index3> to = std::nullopt);
 
 }  // namespace teracell::store

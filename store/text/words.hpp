@@ -51,4 +51,17 @@ std::optional<std::vector<T>> numbers_in(std::string_view text, size_t count) {
   return out.size() == count ? std::optional(std::move(out)) : std::nullopt;
 }
 
+// "1-4,7": of each number below `end`, whether it is one of these, if all of them are below it.
+inline std::optional<std::vector<bool>> ranges_in(std::string_view text, size_t end) {
+  std::vector<bool> out(end);
+  for (const std::string_view part : split(text, ',')) {
+    const size_t dash = part.find('-');
+    const auto first = number_in<size_t>(part.substr(0, dash));
+    const auto last = dash == part.npos ? first : number_in<size_t>(part.substr(dash + 1));
+    if (!first || !last || *first > *last || *last >= end) return std::nullopt;
+    for (size_t i = *first; i <= *last; ++i) out[i] = true;
+  }
+  return out;
+}
+
 }  // namespace teracell::store

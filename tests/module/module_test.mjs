@@ -142,6 +142,7 @@ test("several grids are listed, and compared", async () => {
   await same(files, "/api/v1/grids/before/diff?with=after");
   await same(files, "/api/v1/grids/before/view.bin?size=40,30&against=after");
   await same(files, "/api/v1/grids/before/nearest?labels=1&cell=0,0,0");
+  await same(files, "/api/v1/grids/before/nearest?labels=0-1");
   files.close();
 });
 

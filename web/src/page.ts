@@ -24,11 +24,13 @@ const LOOK_EVERY = 10000;
 let stop_keeping = () => {};
 let abort = new AbortController();
 
-async function load_grids(): Promise<void> {
+// `next`: what is done with the list before it is shown.
+async function load_grids(next = () => {}): Promise<void> {
   const list = await list_grids();
   batch(() => {
     grids.value = list.grids;
     unreadable.value = list.unreadable;
+    next();
   });
   const open = viewer.value;
   if (!open) return;
@@ -95,8 +97,9 @@ export async function start_page(): Promise<void> {
   addEventListener("hashchange", follow_address);
   // A grid that the address names is opened at once, without waiting for the list.
   if (grid_in_address()) follow_address();
-  await look();
-  if (!viewer.value && !opening.value && !trouble.value) follow_address();
+  await look(() => {
+    if (!viewer.value && !opening.value && !trouble.value) follow_address();
+  });
   setInterval(
     () => document.visibilityState === "visible" && connection.value.state === "there" && void (grids.value ? look() : look_again()),
     LOOK_EVERY,
@@ -106,9 +109,9 @@ export async function start_page(): Promise<void> {
   });
 }
 
-async function look(): Promise<void> {
+async function look(next?: () => void): Promise<void> {
   try {
-    await load_grids();
+    await load_grids(next);
   } catch (error) {
     if (!viewer.value && !opening.value && grids.value === null) trouble.value = `The list of grids can't be read: ${words_of(error)}`;
   }
@@ -116,6 +119,7 @@ async function look(): Promise<void> {
 
 async function look_again(): Promise<void> {
   const had_nothing = viewer.peek() === null;
-  await look();
-  if (had_nothing && viewer.peek() === null && grids.peek() !== null) follow_address();
+  await look(() => {
+    if (had_nothing && viewer.peek() === null) follow_address();
+  });
 }

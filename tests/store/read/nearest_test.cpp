@@ -24,19 +24,23 @@ struct Looked {
           if (labels[at(c)]) f(c);
   }
 
-  // What a cell is judged by: its distance in shares of the box around all cells of the labels.
-  std::function<double(const Index3&)> distance(const std::vector<bool>& labels, const Index3& to) const {
-    Index3 lo = grid.cells(), hi{};
+  Box box(const std::vector<bool>& labels) const {
+    Box out{.lo = grid.cells(), .hi = {}};
     each(labels, [&](const Index3& c) {
       for (int d = 0; d < 3; ++d) {
-        lo[d] = std::min(lo[d], c[d]);
-        hi[d] = std::max(hi[d], c[d] + 1);
+        out.lo[d] = std::min(out.lo[d], c[d]);
+        out.hi[d] = std::max(out.hi[d], c[d] + 1);
       }
     });
-    return [=](const Index3& c) {
+    return out.empty() ? Box{} : out;
+  }
+
+  // What a cell is judged by: its distance in shares of the box around all cells of the labels.
+  std::function<double(const Index3&)> distance(const std::vector<bool>& labels, const Index3& to) const {
+    return [to, around = box(labels)](const Index3& c) {
       double sum = 0;
       for (int d = 0; d < 3; ++d) {
-        const double off = static_cast<double>(c[d] - to[d]) / static_cast<double>(hi[d] - lo[d]);
+        const double off = static_cast<double>(c[d] - to[d]) / static_cast<double>(around.hi[d] - around.lo[d]);
         sum += off * off;
       }
       return std::sqrt(sum);
@@ -57,12 +61,16 @@ TEST_CASE("A cell of some labels near a place is one of theirs, at most an eight
       for (size_t i = 1; i < 5; ++i) labels[i] = random() % 2 == 0;
       Index3 to;
       for (int d = 0; d < 3; ++d) to[d] = static_cast<int64_t>(random() % static_cast<uint64_t>(n[d]));
+      const Box around = looked.box(labels);
+      if (k % 2 == 0 && !around.empty())
+        for (int d = 0; d < 3; ++d) to[d] = (around.lo[d] + around.hi[d] - 1) / 2;
       const auto distance = looked.distance(labels, to);
       double least = std::numeric_limits<double>::infinity();
       looked.each(labels, [&](const Index3& c) { least = std::min(least, distance(c)); });
-      const auto found = read_nearest(reader, labels, to);
+      const auto [box, found] = read_nearest(reader, labels, to);
       INFO("seed " << seed << ", question " << k);
       REQUIRE(found.has_value() == std::isfinite(least));
+      REQUIRE(box == around);
       if (!found) continue;
       REQUIRE(labels[looked.at(*found)]);
       REQUIRE(distance(*found) <= 1.125 * least * (1 + 1e-12));
@@ -74,7 +82,7 @@ TEST_CASE("Near the middle of a flat hall are its stands, not the floor far belo
   const Index3 n = {100, 100, 22};
   Looked hall{.grid = unit_grid(n), .cells = std::vector<Label>(static_cast<size_t>(n[0] * n[1] * n[2]))};
   for (size_t i = 0; i < hall.cells.size(); ++i) hall.cells[i] = i / 10000 < 2 || i % 100 < 25 || i % 100 > 75;
-  const auto cell = read_nearest(reader_of(metadata_of(hall.grid, 0, 2), hall.cells), {false, true}, {50, 50, 11});
+  const auto cell = read_nearest(reader_of(metadata_of(hall.grid, 0, 2), hall.cells), {false, true}).cell;
   REQUIRE(cell);
   CHECK(hall.at(*cell) == 1);
   CHECK(std::abs((*cell)[2] - 11) < 4);

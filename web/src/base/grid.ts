@@ -1,5 +1,7 @@
 // The types of what the server says about grids, and the addresses of one grid. Addresses are relative to the page,
 // which may be served below any path.
+import { ranges } from "./ranges";
+
 export type Index3 = [number, number, number];
 export type AxisIndex = 0 | 1 | 2;
 export const AXES: readonly AxisIndex[] = [0, 1, 2];
@@ -203,6 +205,7 @@ export interface LineAnswer {
 // Null: no cell has one of the labels.
 export interface NearestAnswer {
   cell: Index3 | null;
+  box: Amount["box"]; // of all cells that might be found
 }
 // How thick a material is along the normal of its surface; null: the material goes on around the point.
 export interface ThicknessAnswer {
@@ -265,9 +268,9 @@ export class GridAddress {
   line(from: readonly number[], to: readonly number[]): string {
     return `${this.base}/line?from=${from.join(",")}&to=${to.join(",")}&v=${this.hash}`;
   }
-  // A cell near a cell that has one of some labels.
-  nearest(labels: readonly number[], cell: Index3): string {
-    return `${this.base}/nearest?labels=${labels.join(",")}&cell=${cell.join(",")}&v=${this.hash}`;
+  // The box of some labels, and a cell of them near a cell, or near its middle.
+  nearest(labels: readonly number[], cell?: Index3): string {
+    return `${this.base}/nearest?labels=${ranges(labels)}${cell ? `&cell=${cell.join(",")}` : ""}&v=${this.hash}`;
   }
   // How thick the material of a cell is at a point of its surface.
   thickness(cell: Index3, at: readonly number[]): string {

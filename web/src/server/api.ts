@@ -137,7 +137,18 @@ export async function get_patiently(path: string, signal: AbortSignal): Promise<
 export const get_json = async <T>(path: string, signal?: AbortSignal): Promise<T> =>
   (await (signal ? get_patiently(path, signal) : get(path))).json() as Promise<T>;
 
-export const list_grids = (signal?: AbortSignal) => get_json<{ grids: GridSummary[]; unreadable: UnreadableFile[] }>("api/v1/grids", signal);
+type Listing = { grids: GridSummary[]; unreadable: UnreadableFile[] };
+let listing: Promise<Listing> | null = null;
+// What is asked for first is on its way while the rest of the page still is.
+export function ask_ahead(): void {
+  listing = list_grids();
+  listing.catch(() => {}); // whoever asks for it will hear
+}
+export function list_grids(signal?: AbortSignal): Promise<Listing> {
+  const asked = listing;
+  listing = null;
+  return asked ?? get_json<Listing>("api/v1/grids", signal);
+}
 export const grid_info = (id: string, signal?: AbortSignal) => get_json<GridInfo>(`api/v1/grids/${encodeURIComponent(id)}`, signal);
 
 // What `teracell check` has found; null when nobody has looked through the cells of the grid.

@@ -1,13 +1,10 @@
 // What is seen first where the address names no place: what there is, and not the middle of the air around it. The slices are asked for before that
 // is known. Their views move when the answer has come soon, and never once somebody has moved them.
 import { batch, effect } from "@preact/signals";
-import type { Amount } from "../base/grid";
-import { box_around, ranges_of, with_room } from "../state/boxes";
+import { ranges_of, with_room } from "../state/boxes";
 import type { Box, Viewer } from "../state/viewer";
 import type { Range } from "../state/zoom";
-import { load_amounts } from "./amounts";
-import { middle_cell } from "./go_there";
-import { nearest_cell } from "./nearest_cell";
+import { box_and_nearest, middle_cell } from "./go_there";
 
 const SOON = 1500; // milliseconds
 const ROOM = 0.06; // around what there is, as a share of its longest side
@@ -16,12 +13,9 @@ const MUCH_SMALLER = 0.75; // of the domain: else that is what is framed
 const PLACES = ["at", "look", "zoom", "orbit", "only", "compare"];
 export const names_a_place = (query: URLSearchParams): boolean => PLACES.some((key) => query.has(key));
 
-// The labels of what there is, and the box around it: of all but the background and what is clear from the start.
-export function what_there_is(viewer: Pick<Viewer, "labels" | "standard_looks">, amounts: readonly Amount[]): { labels: number[]; box: Box } | null {
-  const labels = viewer.labels.flatMap(({ material }, label) => (material !== 0 && viewer.standard_looks[material]!.opacity > 0 && amounts[label]?.box ? [label] : []));
-  const box = box_around(labels.map((label) => amounts[label]!.box));
-  return box && { labels, box };
-}
+// The labels of all but the background and what is clear from the start.
+export const what_there_is = (viewer: Pick<Viewer, "labels" | "standard_looks">): number[] =>
+  viewer.labels.flatMap(({ material }, label) => (material !== 0 && viewer.standard_looks[material]!.opacity > 0 ? [label] : []));
 
 // Whether a box should fill the views in place of the domain, of which it takes up little.
 function deserves_frame(viewer: Viewer, box: Box): boolean {
@@ -49,15 +43,14 @@ export async function show_what_there_is(viewer: Viewer, signal: AbortSignal): P
   // Before the first slices are shown nobody sees that they move.
   const timer = setTimeout(() => (stop_waiting = effect(() => void (viewer.slices_shown.value && (viewer.arriving.value = false)))), SOON);
   try {
-    const found = what_there_is(viewer, await load_amounts(viewer, signal));
-    if (!found || !may_move()) return;
-    const middle = middle_cell(found.box);
-    const cell = (await nearest_cell(viewer, found.labels, middle, signal).catch(() => null)) ?? middle;
+    const labels = what_there_is(viewer);
+    const { box, cell } = labels.length > 0 ? await box_and_nearest(viewer, labels, undefined, signal) : { box: null, cell: null };
+    if (!box) return;
     await sized(viewer);
     if (!may_move()) return;
     batch(() => {
-      viewer.set_cell(cell);
-      if (deserves_frame(viewer, found.box)) viewer.frame(with_room(viewer.axes, found.box, ROOM));
+      viewer.set_cell(cell ?? middle_cell(box));
+      if (deserves_frame(viewer, box)) viewer.frame(with_room(viewer.axes, box, ROOM));
     });
   } finally {
     clearTimeout(timer);

@@ -1,13 +1,12 @@
 // Go there: what is looked at is isolated, all views frame it with some room, and the slices go through a cell of it.
 import { batch } from "@preact/signals";
 import type { Finding } from "../base/findings";
-import { type Index3, for_axes, without_overlap } from "../base/grid";
+import { type Index3, type NearestAnswer, for_axes, without_overlap } from "../base/grid";
 import { say, words_of } from "../base/messages";
-import { box_around, with_room } from "../state/boxes";
+import { get_json } from "../server/api";
+import { with_room } from "../state/boxes";
 import { labels_named, labels_of_overlap } from "../state/isolation";
 import type { Box, Viewer } from "../state/viewer";
-import { load_amounts } from "./amounts";
-import { nearest_cell } from "./nearest_cell";
 
 const ROOM = 0.15; // around a body, as a share of its longest side
 const ROOM_OF_FINDING = 0.3; // around the place of a finding, which says little without what is near it
@@ -15,26 +14,28 @@ const CELLS_AROUND = 8;
 
 export const middle_cell = (box: Box): Index3 => for_axes((d) => (box[d] + box[d + 3]! - 1) >> 1);
 
-// Puts the crosshair into a cell of the labels near the middle of their box. Until that is known, and where it stays unknown, it is in `meanwhile`.
-async function enter(viewer: Viewer, labels: readonly number[], to: Index3, meanwhile = to): Promise<void> {
-  viewer.set_cell(meanwhile);
+// The box of some labels, and the cell of theirs that is nearest to a place, or else to its middle.
+export const box_and_nearest = (viewer: Viewer, labels: readonly number[], to?: Index3, signal?: AbortSignal): Promise<NearestAnswer> =>
+  get_json<NearestAnswer>(viewer.address.nearest(labels, to), signal);
+
+// Puts the crosshair into a cell of the labels near a place, unless somebody moves on before that is known.
+async function enter(viewer: Viewer, labels: readonly number[], to: Index3): Promise<void> {
   const here = viewer.cell.peek();
-  const cell = await nearest_cell(viewer, labels, to);
-  if (cell && viewer.cell.peek() === here) viewer.set_cell(cell); // unless somebody has moved on
+  const { cell } = await box_and_nearest(viewer, labels, to);
+  if (cell && viewer.cell.peek() === here) viewer.set_cell(cell);
 }
 
 // Bodies, or materials where the file does not keep bodies apart.
 export async function go_to_labels(viewer: Viewer, named: readonly number[]): Promise<void> {
   const labels = [...new Set(named.map((label) => without_overlap(viewer.labels, label)))].sort((a, b) => a - b);
   try {
-    const amounts = await load_amounts(viewer);
-    const box = box_around(labels.map((label) => amounts[label]?.box));
+    const { box, cell } = await box_and_nearest(viewer, labels.flatMap((label) => (viewer.labels[label + 1]?.overlap ? [label, label + 1] : [label])));
     if (!box) return say(`${labels.length === 1 ? "It owns" : "They own"} no cell, so there is no place to go to.`);
-    await batch(() => {
+    batch(() => {
       // The background is around everything: it can't be shown alone.
       viewer.isolated.value = labels.some((label) => viewer.labels[label]!.material === 0) ? null : { labels, box: null };
       viewer.frame(with_room(viewer.axes, box, ROOM));
-      return enter(viewer, labels.flatMap((label) => (viewer.labels[label + 1]?.overlap ? [label, label + 1] : [label])), middle_cell(box));
+      viewer.set_cell(cell ?? middle_cell(box));
     });
   } catch (error) {
     say(`The place can't be looked for: ${words_of(error)}.`);
@@ -52,7 +53,7 @@ export function go_to_finding(viewer: Viewer, { at, box, bodies, kind }: Pick<Fi
   batch(() => {
     viewer.isolated.value = { labels, box: place };
     viewer.set_cell(cell);
-    if (of_overlap.length > 0) enter(viewer, of_overlap, middle_cell(place), cell).catch(() => {}); // it stays there
+    if (of_overlap.length > 0) enter(viewer, of_overlap, middle_cell(place)).catch(() => {}); // it stays there
     viewer.frame(with_room(viewer.axes, place, ROOM_OF_FINDING, CELLS_AROUND));
   });
 }
