@@ -1,7 +1,7 @@
 // The three slice views together. A frame is drawn only when something has changed. It finds out what each view shows
 // and what it lacks, tells the store which tiles are wanted, paints, and sets the signals that follow from it: the
 // level shown and the cell under the pointer.
-import { type ReadonlySignal, type Signal, effect, signal } from "@preact/signals";
+import { type ReadonlySignal, type Signal, batch, effect, signal } from "@preact/signals";
 import { FRAMES } from "../base/axis";
 import { AXIS_NAMES, type AxisIndex, without_overlap } from "../base/grid";
 import { say, words_of } from "../base/messages";
@@ -148,11 +148,12 @@ export class Stage {
     const view = this.views[axis];
     body.prepend(view.cells, view.overlay);
     const measure = () => {
+      if (view.cells.parentElement !== body) return;
       view.width = body.clientWidth;
       view.height = body.clientHeight;
       this.invalidate();
     };
-    measure();
+    queueMicrotask(measure); // when all views are in their places, so that the page is laid out once
     const sizes = new ResizeObserver(measure);
     sizes.observe(body);
     return () => {
@@ -257,7 +258,7 @@ export class Stage {
     this.drew = false;
     if (this.dirty) {
       this.dirty = false;
-      this.drew = this.draw();
+      this.drew = batch(() => this.draw()); // what the page says of the views changes once, after all of them
       if (!this.dirty && this.laid_out() && this.views.every((view) => view.sharp)) this.viewer.slices_shown.value = true;
     }
     this.last_start = start;
