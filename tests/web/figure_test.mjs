@@ -104,18 +104,19 @@ test("a clear ground is clear, and the legend names what is seen and nothing els
 const watch_canvas = (page) =>
   page.evaluate(() => {
     const { prototype } = CanvasRenderingContext2D;
-    const drawn = (globalThis.drawn = { texts: [], frames: [], bars: [] });
+    const drawn = (globalThis.drawn = new Map()); // the preview is another canvas
+    const on = (canvas) => drawn.get(canvas) ?? drawn.set(canvas, { texts: [], frames: [], bars: [] }).get(canvas);
     const watch = (name, keep) => {
       const own = prototype[name];
       prototype[name] = function (...args) {
-        keep(this.getTransform(), ...args);
+        keep(on(this.canvas), this.getTransform(), ...args);
         return own.apply(this, args);
       };
     };
     const box = ({ a, d, e, f }, x, y, width, height) => ({ x: a * x + e, y: d * y + f, width: a * width, height: d * height });
-    watch("fillText", (m, text, x, y) => drawn.texts.push({ text, ...box(m, x, y, 0, 0) }));
-    watch("strokeRect", (m, x, y, width, height) => drawn.frames.push(box(m, x, y, width, height)));
-    watch("fillRect", (m, x, y, width, height) => height === 2 && drawn.bars.push(box(m, x, y, width, height)));
+    watch("fillText", ({ texts }, m, text, x, y) => texts.push({ text, ...box(m, x, y, 0, 0) }));
+    watch("strokeRect", ({ frames }, m, x, y, width, height) => frames.push(box(m, x, y, width, height)));
+    watch("fillRect", ({ bars }, m, x, y, width, height) => height === 2 && bars.push(box(m, x, y, width, height)));
   });
 
 // A panel's scale bar and the coordinates on both of its axes agree with each other, and with the cube from 0 to 10 m that is seen in it.
@@ -157,7 +158,6 @@ test("the view in three dimensions is saved in any size, on a clear ground, with
   assert.ok(gray(data) > gray(plain.data) + 500, `${gray(data)} dark pixels with axes, ${gray(plain.data)} without`);
   for (const what of ["four", "sides"]) {
     await choose(page, { What: what, "Axes with coordinates": true, "Scale bar": true });
-    await page.getByText(/pixels$/).waitFor();
     if (what === "sides") await watch_canvas(page);
     const sheet = await save(page);
     assert.equal(sheet.name, `open-${what}.png`);
@@ -165,7 +165,7 @@ test("the view in three dimensions is saved in any size, on a clear ground, with
     const quarter = (right, below) => four.data.filter((_, i) => i % four.width >= (four.width >> 1) === right && Math.floor(i / four.width) >= four.height >> 1 === below);
     for (const [right, below] of [[false, false], [true, false], [false, true], [true, true]]) assert.ok(solid(quarter(right, below)) > 300, `${what}: nothing ${right} ${below}`);
     if (what === "four") continue;
-    const drawn = await page.evaluate(() => globalThis.drawn);
+    const drawn = await page.evaluate(([width, height]) => [...globalThis.drawn].find(([canvas]) => canvas.width === width && canvas.height === height)[1], [four.width, four.height]);
     const plots = drawn.frames.filter(({ width }) => width > 50);
     assert.deepEqual([plots.length, drawn.bars.length], [3, 3], "bars in perspective, or none without it");
     plots.forEach((plot, n) => is_true_to_scale(four, drawn, plot, drawn.bars[n]));
