@@ -67,9 +67,9 @@ DefaultView default_view(const Grid& grid, const Box& cells) {
   return {centre + Vec3{1, -1.4, 0.9} * norm(extent), centre};
 }
 
-Camera axis_camera(const Grid& grid, int axis, bool positive, PictureSize size) {
+Camera axis_camera(const Grid& grid, int axis, bool positive, int up, PictureSize size) {
   Camera camera{.perspective = false, .size = size};
-  turn(camera, unit(axis) * (positive ? 1 : -1), 2);
+  turn(camera, unit(axis) * (positive ? 1 : -1), up);
   for (int d = 0; d < 3; ++d) camera.from[d] = middle(grid.axis[d]);
   camera.from[axis] = positive ? grid.axis[axis].min() : grid.axis[axis].max();
   double width = 0, height = 0;

@@ -38,9 +38,9 @@ struct DefaultView {
   Vec3 from, at;
 };
 DefaultView default_view(const Grid& grid, const Box& cells);
-// Looks along +axis or -axis, without perspective. The grid is as large as it can be with all of it in the picture. z is up, or y where the view
-// is along z.
-Camera axis_camera(const Grid& grid, int axis, bool positive, PictureSize size);
+// Looks along +axis or -axis, without perspective. The grid is as large as it can be with all of it in the picture. Where the view is along `up`,
+// another axis is up: y in place of z, and z in place of the others.
+Camera axis_camera(const Grid& grid, int axis, bool positive, int up, PictureSize size);
 
 // (0, 0, 0) stays as it is.
 Vec3 normalised(const Vec3& a);

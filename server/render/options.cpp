@@ -26,6 +26,7 @@ constexpr RenderOption kOptions[] = {
     {"level", "L", "draw the cells of this level; default: those that take at most a quarter of a pixel"},
     {"cut", "x=X,y=Y,z=Z", "keep what is below these coordinates; one or more of them"},
     {"open", "X,Y,Z", "cut away the corner in front of this point, as the eye sees it"},
+    {"open-from", "X,Y,Z", "where the eye of --open is; default: where that of the picture is"},
     {"plane", "NX,NY,NZ,D", "cut away the points p with (NX, NY, NZ) . p >= D"},
     {"materials", "NAME,...", "show these alone; default: all but the background"},
     {"bodies", "NAME,...", "show these bodies alone, where the file keeps bodies apart"},
@@ -47,7 +48,10 @@ class Options : OptionWords {
     const std::string* const domain = text_("domain");
     out.aim.camera = camera(size, out, domain != nullptr && flag("domain", *domain));
     if (const std::string* text = text_("cut")) out.aim.cuts = cut(*text);
-    if (const std::string* text = text_("open")) out.aim.cuts.push_back(corner(out.aim.camera, point("open", *text)));
+    const std::string *const open = text_("open"), *const open_from = text_("open-from");
+    if (open_from && !open) throw UsageError(fmt::format("{0}open-from: expected with {0}open, found without it", dashes()));
+    if (open)
+      out.aim.cuts.push_back(corner(out.aim.camera, point("open", *open), open_from ? std::optional(point("open-from", *open_from)) : std::nullopt));
     if (const std::string* text = text_("plane")) out.aim.cuts.push_back({plane(*text)});
     if (const std::string* text = text_("background")) out.ground = color(*text);
     if (const std::string* text = text_("flat")) out.flat = flag("flat", *text);
@@ -80,20 +84,20 @@ class Options : OptionWords {
   }
 
   Camera camera(PictureSize size, const RenderOptions& options, bool domain) const {
-    if (const std::string* view = text_("view")) {
-      for (const char* other : {"from", "at", "up", "fov"})
-        if (text_(other)) throw UsageError(fmt::format("{0}view: expected alone, found with {0}{1}", dashes(), other));
-      if (domain) throw UsageError(fmt::format("{0}view: expected alone, found with {0}domain: it shows the whole grid", dashes()));
-      const bool positive = !view->starts_with('-');
-      const auto axis = axis_named(std::string_view(*view).substr(positive ? 0 : 1));
-      if (!axis) refuse("view", "x, y, z, -x, -y or -z", *view);
-      return axis_camera(meta_.grid, *axis, positive, size);
-    }
     int up = 2;
     if (const std::string* text = text_("up")) {
       const auto axis = axis_named(*text);
       if (!axis) refuse("up", "x, y or z", *text);
       up = *axis;
+    }
+    if (const std::string* view = text_("view")) {
+      for (const char* other : {"from", "at", "fov"})
+        if (text_(other)) throw UsageError(fmt::format("{0}view: expected alone, found with {0}{1}", dashes(), other));
+      if (domain) throw UsageError(fmt::format("{0}view: expected alone, found with {0}domain: it shows the whole grid", dashes()));
+      const bool positive = !view->starts_with('-');
+      const auto axis = axis_named(std::string_view(*view).substr(positive ? 0 : 1));
+      if (!axis) refuse("view", "x, y, z, -x, -y or -z", *view);
+      return axis_camera(meta_.grid, *axis, positive, up, size);
     }
     double fov = 30;
     if (const std::string* text = text_("fov")) {
@@ -130,10 +134,11 @@ class Options : OptionWords {
     return out;
   }
 
-  static Cut corner(const Camera& camera, const Vec3& at) {
+  static Cut corner(const Camera& camera, const Vec3& at, const std::optional<Vec3>& seen_from) {
+    const std::optional<Vec3> eye = seen_from ? seen_from : camera.perspective ? std::optional(camera.from) : std::nullopt;
     Cut out;
     for (size_t d = 0; d < 3; ++d) {
-      const bool above = camera.perspective ? camera.from[d] >= at[d] : camera.forward[d] <= 0;
+      const bool above = eye ? (*eye)[d] >= at[d] : camera.forward[d] <= 0;
       HalfSpace half{{}, above ? at[d] : -at[d]};
       half.normal[d] = above ? 1 : -1;
       out.push_back(half);

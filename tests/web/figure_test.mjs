@@ -100,6 +100,45 @@ test("a clear ground is clear, and the legend names what is seen and nothing els
   await close(page);
 });
 
+// Keeps what is written and ruled on canvases from now on, in pixels.
+const watch_canvas = (page) =>
+  page.evaluate(() => {
+    const { prototype } = CanvasRenderingContext2D;
+    const drawn = (globalThis.drawn = new Map()); // the preview is another canvas
+    const on = (canvas) => drawn.get(canvas) ?? drawn.set(canvas, { texts: [], frames: [], bars: [] }).get(canvas);
+    const watch = (name, keep) => {
+      const own = prototype[name];
+      prototype[name] = function (...args) {
+        keep(on(this.canvas), this.getTransform(), ...args);
+        return own.apply(this, args);
+      };
+    };
+    const box = ({ a, d, e, f }, x, y, width, height) => ({ x: a * x + e, y: d * y + f, width: a * width, height: d * height });
+    watch("fillText", ({ texts }, m, text, x, y) => texts.push({ text, ...box(m, x, y, 0, 0) }));
+    watch("strokeRect", ({ frames }, m, x, y, width, height) => frames.push(box(m, x, y, width, height)));
+    watch("fillRect", ({ bars }, m, x, y, width, height) => height === 2 && bars.push(box(m, x, y, width, height)));
+  });
+
+// A panel's scale bar and the coordinates on both of its axes agree with each other, and with the cube from 0 to 10 m that is seen in it.
+function is_true_to_scale({ width, data }, { texts }, plot, bar) {
+  const [right, bottom] = [plot.x + plot.width, plot.y + plot.height];
+  const numbers = texts.flatMap(({ text, x, y }) => (/^[−\d.]+$/.test(text) ? [{ value: Number(text.replace("−", "-")), x, y }] : []));
+  const along = { x: numbers.filter(({ x, y }) => x >= plot.x && x <= right && y > bottom && y < bottom + 50), y: numbers.filter(({ x, y }) => y >= plot.y && y <= bottom && x < plot.x && x > plot.x - 70) };
+  const length = Number.parseFloat(texts.find(({ text, y }) => / m$/.test(text) && Math.abs(y - bar.y) < 10).text);
+  const inside = data.flatMap((pixel, n) => {
+    const [x, y] = [n % width, Math.floor(n / width)];
+    return x > plot.x + 2 && x < right - 2 && y > plot.y + 2 && y < bottom - 2 && pixel >>> 24 > 127 ? [{ x, y }] : [];
+  });
+  for (const d of ["x", "y"]) {
+    const [first, last] = [along[d][0], along[d].at(-1)];
+    assert.ok(along[d].length >= 2, `${along[d].length} numbers along ${d}`);
+    const pixels = (last[d] - first[d]) / (last.value - first.value); // per metre
+    assert.ok(Math.abs(Math.abs(pixels) - bar.width / length) < 1e-3 * bar.width, `a metre is ${pixels} pixels by the axis, ${bar.width / length} by the bar`);
+    const places = [Math.min(...inside.map((p) => p[d])), Math.max(...inside.map((p) => p[d])) + 1].map((at) => (at - first[d]) / pixels + first.value).sort((a, b) => a - b);
+    assert.ok(Math.abs(places[0]) < 2 / Math.abs(pixels) && Math.abs(places[1] - 10) < 2 / Math.abs(pixels), `what is seen lies from ${places} m along ${d}`);
+  }
+}
+
 test("the view in three dimensions is saved in any size, on a clear ground, with what is seen in it", async () => {
   const page = await open_dialog("g=open&layout=3d");
   assert.equal(await page.getByLabel("Format", { exact: true }).inputValue(), "png");
@@ -118,12 +157,18 @@ test("the view in three dimensions is saved in any size, on a clear ground, with
   const gray = (some) => some.filter((pixel) => pixel >>> 24 > 128 && (pixel & 255) < 60 && ((pixel >> 16) & 255) < 70).length;
   assert.ok(gray(data) > gray(plain.data) + 500, `${gray(data)} dark pixels with axes, ${gray(plain.data)} without`);
   for (const what of ["four", "sides"]) {
-    await choose(page, { What: what, "Axes with coordinates": true });
+    await choose(page, { What: what, "Axes with coordinates": true, "Scale bar": true });
+    if (what === "sides") await watch_canvas(page);
     const sheet = await save(page);
     assert.equal(sheet.name, `open-${what}.png`);
     const four = await pixels_of(page, sheet.bytes);
     const quarter = (right, below) => four.data.filter((_, i) => i % four.width >= (four.width >> 1) === right && Math.floor(i / four.width) >= four.height >> 1 === below);
     for (const [right, below] of [[false, false], [true, false], [false, true], [true, true]]) assert.ok(solid(quarter(right, below)) > 300, `${what}: nothing ${right} ${below}`);
+    if (what === "four") continue;
+    const drawn = await page.evaluate(([width, height]) => [...globalThis.drawn].find(([canvas]) => canvas.width === width && canvas.height === height)[1], [four.width, four.height]);
+    const plots = drawn.frames.filter(({ width }) => width > 50);
+    assert.deepEqual([plots.length, drawn.bars.length], [3, 3], "bars in perspective, or none without it");
+    plots.forEach((plot, n) => is_true_to_scale(four, drawn, plot, drawn.bars[n]));
   }
   await close(page);
 });

@@ -97,6 +97,9 @@ TEST_CASE("A picture is made from the numbers of the same view: what is backgrou
     shown += bytes.at(40 + i) != 0;
   }
   CHECK(shown > 50);
+  // The corner that is cut away is the one that another eye sees.
+  CHECK(*s.get(kBase + "bin?" + view + "&open-from=1e3,-1e3,1e3").body == bytes);
+  CHECK(*s.get(kBase + "bin?" + view + "&open-from=-1e3,-1e3,1e3").body != bytes);
 }
 
 }  // namespace

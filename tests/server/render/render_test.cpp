@@ -47,19 +47,21 @@ TEST_CASE("flat views along the axes are the first materials of the columns", "[
     const auto file = folder / std::to_string(ray_axis);
     store_cells(file, meta, cells);
     const GridReader reader = stored_with_cache(file);
-    for (const std::string view : {"x", "y", "z", "-x", "-y", "-z"}) {
+    for (const auto& [view, sky] :
+         {std::pair<std::string, int>{"x", 2}, {"y", 2}, {"z", 2}, {"-x", 2}, {"-y", 2}, {"-z", 2}, {"-x", 1}, {"-y", 1}, {"z", 1}}) {
       const bool positive = view[0] != '-';
       const int axis = view.back() - 'x';
-      // Up is z, or y along z. To the right, forward x up, is -y, +x and -x in the views along x, y and z.
-      const int up = axis == 2 ? 1 : 2, across = 3 - axis - up;
+      const int up = axis != sky ? sky : axis == 2 ? 1 : 2, across = 3 - axis - up;
       const int64_t width = n[across], height = n[up];
       const Picture3D picture = picture_of(
-          reader, {{"view", view}, {"size", fmt::format("{},{}", width, height)}, {"flat", ""}, {"background", "#01020304"}}, 1 + ray_axis);
+          reader,
+          {{"view", view}, {"up", sky == 2 ? "z" : "y"}, {"size", fmt::format("{},{}", width, height)}, {"flat", ""}, {"background", "#01020304"}},
+          1 + ray_axis);
       for (int64_t y = 0; y < height; ++y)
         for (int64_t x = 0; x < width; ++x) {
           CAPTURE(ray_axis, view, x, y);
           Index3 c;
-          const bool right_is_up_the_axis = axis == 1 ? positive : !positive;
+          const bool right_is_up_the_axis = (up == (axis + 1) % 3) == positive;  // forward x up
           c[across] = right_is_up_the_axis ? x : width - 1 - x;
           c[up] = height - 1 - y;
           Label first = 0;
@@ -240,6 +242,7 @@ TEST_CASE("options that make no sense are usage errors that say what is expected
       {{{"cut", "x"}}, "--cut"},
       {{{"cut", "x=inf"}}, "--cut"},
       {{{"open", "1,2"}}, "--open: expected three numbers"},
+      {{{"open-from", "1,2,3"}}, "--open-from: expected with --open"},
       {{{"plane", "1,2,3"}}, "--plane: expected four numbers"},
       {{{"plane", "0,0,0,1"}}, "the first three not all 0"},
       {{{"materials", "steel"}}, "found 'steel'"},
@@ -267,7 +270,7 @@ TEST_CASE("an interrupted picture ends at once, and a damaged chunk is an error"
   {
     const Wanted by_nobody([] { throw Interrupted("enough"); }, Wanted::Asked::kByWorkers);
     REQUIRE_THROWS_AS(
-        render(stored_with_cache(folder / "ball"), {.aim = {.camera = axis_camera(cube_grid(-1, 1, 24), 0, true, {64, 64})}}, 2, [](double) {}),
+        render(stored_with_cache(folder / "ball"), {.aim = {.camera = axis_camera(cube_grid(-1, 1, 24), 0, true, 2, {64, 64})}}, 2, [](double) {}),
         Interrupted);
   }
   Bytes bytes = file_bytes(folder / "ball");

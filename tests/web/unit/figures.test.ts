@@ -4,7 +4,7 @@ import test from "node:test";
 import { deflateSync } from "node:zlib";
 import { joined } from "@page/figures/areas";
 import { Axis } from "@page/base/axis";
-import { laid_out, laid_out_together, planes_within } from "@page/figures/layout";
+import { laid_out, laid_out_together, planes_within, ticks_of } from "@page/figures/layout";
 import { STANDARD, fault_of, pixels_of, points_of } from "@page/figures/options";
 import { crc32, with_density } from "@page/figures/png";
 import { uncover } from "@page/figures/slice_cells";
@@ -97,18 +97,30 @@ test("rectangles cover each cell once, with its own colour, and columns of equal
 test("a layout holds all its parts, true to scale", () => {
   const measure = (text: string) => 5 * text.length;
   const axes = [{ name: "x [m]", low: -150, high: 150 }, { name: "y [m]", low: 0, high: 60 }] as const;
-  const layout = laid_out({ width: 480, aspect: 0.2, title: true, axes, legend: Array.from({ length: 20 }, (_, i) => `material ${i}`) }, measure);
+  const layout = laid_out({ width: 480, aspect: 0.2, title: true, axes, bar: true, legend: Array.from({ length: 20 }, (_, i) => `material ${i}`) }, measure);
   assert.ok(Math.abs(layout.plot.height / layout.plot.width - 0.2) < 1e-12);
   assert.ok(layout.plot.x > 0 && layout.plot.x + layout.plot.width <= 480);
+  assert.ok(layout.bar! > layout.names!.across + 8, "the scale bar stands below the axis");
   for (const { x, y, entry } of layout.legend) {
+    assert.ok(y > layout.bar! + 6);
     assert.ok(x >= layout.plot.x && x + 12 + measure(`material ${entry}`) <= 480, `entry ${entry} at ${x}`);
     assert.ok(y > layout.plot.y + layout.plot.height && y < layout.height);
   }
   assert.ok(layout.across.length >= 3);
   for (const { at, text } of layout.across) assert.ok(Math.abs(-150 + 300 * at - Number(text.replace("−", "-"))) < 1e-9);
   assert.ok(layout.up.length >= 3, "a low picture has ticks as well");
-  const bare = laid_out({ width: 480, aspect: 0.5, title: false, axes: null, legend: [] }, measure);
+  const bare = laid_out({ width: 480, aspect: 0.5, title: false, axes: null, bar: false, legend: [] }, measure);
   assert.deepEqual(bare.plot, { x: 0, y: 0, width: 480, height: 240 });
+});
+
+test("an axis has two numbers at least, however short it is, and may fall", () => {
+  const random = random_of(9);
+  for (let n = 0; n < 200; ++n) {
+    const [low, high] = [200 * random() - 100, 200 * random() - 100];
+    const found = ticks_of({ low, high }, 40 * random());
+    assert.ok(found.length >= 2, `${low} to ${high}: ${found.map(({ text }) => text)}`);
+    for (const { at, text } of found) assert.ok(at > -1e-6 && at < 1 + 1e-6 && Math.abs(low + at * (high - low) - Number(text.replace("−", "-"))) < 0.01 * Math.abs(high - low));
+  }
 });
 
 test("an SVG document keeps text as text, whatever is in it", () => {
@@ -125,7 +137,7 @@ test("an SVG document keeps text as text, whatever is in it", () => {
 test("panels of one sheet stand in rows of two, apart from each other and from the legend below them", () => {
   const measure = (text: string) => 5 * text.length;
   const axes = [{ name: "x [mm]", low: 0, high: 100 }, { name: "y [mm]", low: 0, high: 50 }] as const;
-  const panels = [{ aspect: 0.5, axes }, { aspect: 2, axes: null }, { aspect: 0.2, axes }, { aspect: 0.7, axes: null }];
+  const panels = [{ aspect: 0.5, axes, bar: true }, { aspect: 2, axes: null, bar: false }, { aspect: 0.2, axes, bar: true }, { aspect: 0.7, axes: null, bar: false }];
   const sheet = laid_out_together(panels, 480, true, ["steel", "gold"], measure);
   const boxes = sheet.panels.map(({ plot }) => plot);
   boxes.forEach((a, i) => {

@@ -9,7 +9,7 @@ import { type Sights, decode_sights } from "@page/overview/sight/sights";
 import { fitted, project, projection_of } from "@page/overview/space/camera";
 
 // As server/SERVING.md has it. `pixels`: label plus 1, the code of the distance, own, added and facing light.
-function encoded(width: number, pixels: readonly (readonly number[])[], edges: Record<number, readonly (readonly number[])[]>, wide = 1): ArrayBuffer {
+function encoded(width: number, pixels: readonly (readonly number[])[], edges: Record<number, readonly (readonly number[])[]> = {}, wide = 1): ArrayBuffer {
   const n = pixels.length;
   const out: number[] = [..."TCS1"].map((c) => c.charCodeAt(0));
   const u32 = (x: number) => out.push(x & 255, (x >> 8) & 255, (x >> 16) & 255, x >>> 24);
@@ -56,6 +56,13 @@ test("numbers are read back: labels of one, two and four bytes, distances by the
     assert.deepEqual([...sights.edges.label], [label, 0, 1, 1]);
     assert.deepEqual([...sights.edges.facing], [3, 0, 6, 9]);
   }
+});
+
+test("without perspective distances are steps of equal length, and the nearest may be at 0", () => {
+  const pixels = encoded(3, [[1, 1, 0, 0, 0], [1, 32768, 0, 0, 0], NOTHING]);
+  assert.deepEqual([...decode_sights(pixels, 10, false).far].map((x) => Number(x.toFixed(2))), [20, 50, 0]);
+  new DataView(pixels).setFloat64(16, 0, true);
+  assert.ok(decode_sights(pixels, 10, false).far[0]! > 0);
 });
 
 test("bytes that are cut short, or something else, are refused", () => {

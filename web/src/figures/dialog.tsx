@@ -168,7 +168,12 @@ function Content({ viewer }: { viewer: Viewer }) {
           </button>
           <Switch label="Axes with coordinates" on={options.axes} set={(axes) => set({ axes })} />
           <Switch label="Lines between cells" on={options.lines && has_slices} disabled={!has_slices} set={(lines) => set({ lines })} />
-          <Switch label="Scale bar" on={options.bar} set={(bar) => set({ bar })} />
+          <Switch
+            label={options.subject === "3d" ? "Scale bar: none is true in perspective" : "Scale bar"}
+            on={options.bar && options.subject !== "3d"}
+            disabled={options.subject === "3d"}
+            set={(bar) => set({ bar })}
+          />
           <Switch label="Legend of the materials that are seen" on={options.legend} set={(legend) => set({ legend })} />
         </div>
       </div>

@@ -9,7 +9,7 @@ import { CanvasSheet } from "./canvas_sheet";
 import { type Layout, NARROWEST, type Place, SIZE, TITLE, laid_out, laid_out_together, panel_width, planes_within } from "./layout";
 import { type FigureOptions, has_space, points_of } from "./options";
 import { with_density } from "./png";
-import { type Box, type Sheet, text_width } from "./sheet";
+import { type Sheet, text_width } from "./sheet";
 import { slice_subject } from "./slice_subject";
 import type { Picture, Subject } from "./subject";
 import { SvgSheet } from "./svg_sheet";
@@ -66,7 +66,7 @@ function slice_words(viewer: Viewer, axis: AxisIndex): string {
 }
 
 // One picture with what stands around it.
-function draw_panel(sheet: Sheet, viewer: Viewer, options: FigureOptions, { subject, layout, heading, bar }: Panel, paint: () => void): void {
+function draw_panel(sheet: Sheet, viewer: Viewer, options: FigureOptions, { subject, layout, heading }: Panel, paint: () => void): void {
   const { ink } = COLORS[options.ground];
   const { plot } = layout;
   paint();
@@ -99,17 +99,12 @@ function draw_panel(sheet: Sheet, viewer: Viewer, options: FigureOptions, { subj
     sheet.text(subject.axes[0].name, plot.x + plot.width / 2, layout.names!.across, { ...text, align: "center" });
     sheet.text(subject.axes[1].name, layout.names!.up, plot.y + plot.height / 2, { ...text, align: "center", upright: true });
   }
-  if (!bar) return;
-  const { x, y, width } = bar.box;
-  sheet.fill(bar.box, options.ground === "black" ? "#000000" : "#ffffff", 0.75); // legible on any material
-  sheet.fill({ x: x + 5, y: y + 12, width: width - 10, height: 2 }, ink);
-  sheet.text(length_text(bar.length, viewer.info.units), x + width / 2, y + 6, { ...text, align: "center" });
-}
-
-function bar_of({ length: all }: Subject, { plot }: Layout): Bar {
-  const length = round_length(all / BAR);
-  const width = (length / all) * plot.width + 10;
-  return { length, box: { x: plot.x + plot.width - 3 - width, y: plot.y + plot.height - 21, width, height: 18 } };
+  if (layout.bar === null || subject.length === null) return;
+  const length = round_length(subject.length / BAR);
+  const width = (length / subject.length) * plot.width;
+  const x = plot.x + plot.width - width;
+  sheet.fill({ x, y: layout.bar - 1, width, height: 2 }, ink);
+  sheet.text(length_text(length, viewer.info.units), x - 4, layout.bar, { ...text, align: "right" });
 }
 
 function draw(sheet: Sheet, viewer: Viewer, options: FigureOptions, drawing: Drawing, paint: (panel: Panel) => void): void {
@@ -141,29 +136,27 @@ async function subjects_of(viewer: Viewer, options: FigureOptions, points: numbe
     heading: slice_words(viewer, axis),
     subject: await slice_subject(viewer, axis, options, ground, signal),
   });
-  const space = async (heading: string, along?: AxisIndex): Promise<Wanted> => {
+  const space = async (): Promise<Wanted> => {
     const { space_subject } = await import("./space_subject");
-    return { heading, subject: await space_subject(viewer, { crop: options.crop, axes: options.axes, bar: options.bar, points, ink, ...(along !== undefined && { along }) }, signal) };
+    return { heading: "3D, in perspective", subject: await space_subject(viewer, { crop: options.crop, axes: options.axes, points, ink }, signal) };
   };
-  if (options.subject === "3d") return [await space("")];
-  if (options.subject === "four") return [await slice(2), await slice(0), await slice(1), await space("3D")];
-  if (options.subject === "sides") return [await space("3D"), await space("from +x", 0), await space("from +y", 1), await space("from +z", 2)];
+  const straight = async (axis: AxisIndex): Promise<Wanted> => {
+    const { straight_subject } = await import("./straight_subject");
+    return { heading: `from +${AXIS_NAMES[axis]}`, subject: await straight_subject(viewer, axis, options.crop, signal) };
+  };
+  if (options.subject === "3d") return [await space()];
+  if (options.subject === "four") return [await slice(2), await slice(0), await slice(1), await space()];
+  if (options.subject === "sides") return [await space(), await straight(0), await straight(1), await straight(2)];
   return [await slice(AXIS_NAMES.indexOf(options.subject) as AxisIndex)];
 }
 
 const MOST = 64e6; // pixels
 const SHAPES = 8192; // pixels across, as fine as which shapes are at most
 
-interface Bar {
-  readonly length: number;
-  readonly box: Box; // that it takes of the plot
-}
-
 interface Panel {
   readonly subject: Subject;
   readonly picture: Picture;
   readonly layout: Layout;
-  readonly bar: Bar | null;
   readonly heading: { readonly text: string; readonly size: number };
 }
 
@@ -185,7 +178,7 @@ async function drawing_of(viewer: Viewer, options: FigureOptions, scale_for: (si
   const measure = (text: string) => text_width(text, { size: SIZE });
   const titled = options.title !== "";
   const layout_of = (legend: readonly string[]) => {
-    const panels = wanted.map(({ subject }) => ({ aspect: subject.aspect, axes: options.axes ? subject.axes : null }));
+    const panels = wanted.map(({ subject }) => ({ aspect: subject.aspect, axes: options.axes ? subject.axes : null, bar: options.bar && subject.length !== null }));
     if (panels.length > 1) return laid_out_together(panels, points, titled, legend, measure);
     const only = laid_out({ ...panels[0]!, width: points, title: titled, legend }, measure);
     return { ...only, title: null, panels: [only] };
@@ -202,15 +195,14 @@ async function drawing_of(viewer: Viewer, options: FigureOptions, scale_for: (si
   const layout = layout_of(legend.map(({ name }) => name));
   const panels = wanted.map(({ subject, heading }, n): Panel => {
     const alone = wanted.length === 1;
-    const own = layout.panels[n]!;
-    return { subject, picture: pictures[n]!, layout: own, bar: options.bar ? bar_of(subject, own) : null, heading: { text: alone ? options.title : heading, size: alone ? TITLE : SIZE + 1 } };
+    return { subject, picture: pictures[n]!, layout: layout.panels[n]!, heading: { text: alone ? options.title : heading, size: alone ? TITLE : SIZE + 1 } };
   });
   return { scale, width: layout.width, height: layout.height, title: layout.title, panels, legend, places: layout.legend };
 }
 
 function on_canvas(viewer: Viewer, options: FigureOptions, drawing: Drawing): HTMLCanvasElement {
   const sheet = new CanvasSheet(drawing.width, drawing.height, drawing.scale);
-  draw(sheet, viewer, options, drawing, ({ picture, layout, bar }) => picture.paint(sheet, layout, bar?.box));
+  draw(sheet, viewer, options, drawing, ({ picture, layout }) => picture.paint(sheet, layout));
   return sheet.canvas;
 }
 

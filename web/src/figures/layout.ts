@@ -14,8 +14,8 @@ export const NARROWEST = 36; // of a plot
 
 export interface Scale {
   readonly name: string; // as in "x [mm]"
-  readonly low: number;
-  readonly high: number;
+  readonly low: number; // at the left, or at the bottom
+  readonly high: number; // may be less
 }
 
 export interface Tick {
@@ -37,6 +37,7 @@ export interface Layout {
   readonly across: readonly Tick[];
   readonly up: readonly Tick[];
   readonly names: { readonly across: number; readonly up: number } | null; // y of the one, x of the other
+  readonly bar: number | null; // the middle of the scale bar's line, below the plot
   readonly legend: readonly Place[];
 }
 
@@ -45,16 +46,21 @@ interface Wish {
   readonly aspect: number; // the plot's height divided by its width
   readonly title: boolean;
   readonly axes: readonly [Scale, Scale] | null;
+  readonly bar: boolean; // a scale bar
   readonly legend: readonly string[];
 }
 
+// Two at least, since one says nothing of the scale.
 export function ticks_of({ low, high }: Pick<Scale, "low" | "high">, length: number, every = ACROSS): Tick[] {
-  const places = ticks(low, high, Math.max(1, Math.floor(length / every)));
-  const step = places.length > 1 ? Math.abs(places[1]! - places[0]!) : high - low;
-  return places.map((x) => ({ at: (x - low) / (high - low), text: coordinate(x, 10 * step) }));
+  const ends = [Math.min(low, high), Math.max(low, high)] as const;
+  let most = Math.max(1, Math.floor(length / every));
+  let places = ticks(...ends, most);
+  while (places.length < 2 && most < 5) places = ticks(...ends, ++most); // steps are less than 2.5 times what is asked for
+  const step = places[1]! - places[0]!;
+  return places.map((x) => ({ at: (x - low) / (high - low), text: coordinate(x, 10 * step) })).sort((a, b) => a.at - b.at);
 }
 
-export function laid_out({ width, aspect, title, axes, legend }: Wish, measure: Measure): Layout {
+export function laid_out({ width, aspect, title, axes, bar, legend }: Wish, measure: Measure): Layout {
   const top = title ? TITLE + 10 : axes ? SIZE / 2 : 0;
   const up_ticks = (height: number) => (axes ? ticks_of(axes[1], height, UP) : []);
   const numbers = Math.max(0, ...up_ticks(width * aspect).map(({ text }) => measure(text)));
@@ -64,6 +70,7 @@ export function laid_out({ width, aspect, title, axes, legend }: Wish, measure: 
   let y = plot.y + plot.height;
   const across_name = y + TICK + GAP + SIZE + LINE / 2 + 1;
   if (axes) y += TICK + GAP + SIZE + LINE + 2;
+  if (bar) y += LINE;
   const entries = places_of(legend, plot.x, y, width, measure);
   return {
     width,
@@ -73,6 +80,7 @@ export function laid_out({ width, aspect, title, axes, legend }: Wish, measure: 
     across: axes ? ticks_of(axes[0], plot.width) : [],
     up: up_ticks(plot.height),
     names: axes ? { across: across_name, up: LINE / 2 } : null,
+    bar: bar ? y - LINE / 2 : null,
     legend: entries.places,
   };
 }
@@ -100,7 +108,7 @@ const [COLUMNS, GUTTER] = [2, 14];
 export const panel_width = (width: number, panels: number): number => (panels === 1 ? width : (width - GUTTER) / COLUMNS);
 
 // Several panels on one sheet, in rows of two, each with a heading of its own; below them one legend for all.
-export function laid_out_together(panels: readonly Pick<Wish, "aspect" | "axes">[], width: number, title: boolean, legend: readonly string[], measure: Measure) {
+export function laid_out_together(panels: readonly Pick<Wish, "aspect" | "axes" | "bar">[], width: number, title: boolean, legend: readonly string[], measure: Measure) {
   const each = panel_width(width, panels.length);
   let top = title ? TITLE + 10 : 0;
   const layouts: Layout[] = [];
@@ -118,6 +126,7 @@ const moved = (layout: Layout, dx: number, dy: number): Layout => ({
   plot: { ...layout.plot, x: layout.plot.x + dx, y: layout.plot.y + dy },
   title: layout.title === null ? null : layout.title + dy,
   names: layout.names && { across: layout.names.across + dy, up: layout.names.up + dx },
+  bar: layout.bar === null ? null : layout.bar + dy,
 });
 
 const LEAST_CELL = 1.5; // points: smaller cells get no lines

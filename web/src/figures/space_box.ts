@@ -6,7 +6,7 @@ import { box_edges } from "../overview/space/lines";
 import { type Space, type Vec3, to_space } from "../overview/space/space";
 import type { Viewer } from "../state/viewer";
 import { SIZE, ticks_of } from "./layout";
-import { type Box, type Sheet, text_width } from "./sheet";
+import { type Sheet, text_width } from "./sheet";
 
 const LINE = 0.6; // points
 const INSIDE = "#9aa3af"; // edges that are not on the outline
@@ -39,8 +39,7 @@ export function draw_edges(sheet: Sheet, { view, x, y }: Placing, space: Space, 
   });
 }
 
-// What would lie under a box, that of the scale bar, is left out.
-export function draw_coordinates(sheet: Sheet, { view, x, y }: Placing, viewer: Viewer, space: Space, ink: string, taken?: Box): void {
+export function draw_coordinates(sheet: Sheet, { view, x, y }: Placing, viewer: Viewer, space: Space, ink: string): void {
   const edges = labelled_edges(view, space.half);
   for (const d of AXES) {
     const edge = edges[d];
@@ -56,9 +55,7 @@ export function draw_coordinates(sheet: Sheet, { view, x, y }: Placing, viewer: 
     const write = (text: string, [px, py]: readonly [number, number], away: number) => {
       const wide = text_width(text, { size: SIZE });
       const by = away + (Math.abs(ox) * wide) / 2 + (Math.abs(oy) * SIZE) / 2;
-      const [tx, ty] = [px + ox * by, py + oy * by];
-      const hidden = taken && tx + wide / 2 > taken.x && tx - wide / 2 < taken.x + taken.width && ty + SIZE / 2 > taken.y && ty - SIZE / 2 < taken.y + taken.height;
-      if (!hidden) sheet.text(text, tx, ty, { size: SIZE, align: "center", color: ink });
+      sheet.text(text, px + ox * by, py + oy * by, { size: SIZE, align: "center", color: ink });
     };
     const numbers = ticks_of({ low: axis.min, high: axis.max }, Math.hypot(edge.to.x - edge.from.x, edge.to.y - edge.from.y), EVERY);
     for (const { at, text } of numbers) {

@@ -1,5 +1,5 @@
 // What the server is asked to look at, as parts of an address.
-import type { Index3, ThicknessAnswer } from "../../base/grid";
+import { AXIS_NAMES, type AxisIndex, type Index3, type ThicknessAnswer } from "../../base/grid";
 import { ranges } from "../../base/ranges";
 import { get_json } from "../../server/api";
 import type { Viewer } from "../../state/viewer";
@@ -11,11 +11,19 @@ import { type Space, type Vec3, from_space } from "../space/space";
 // By what coordinates are multiplied to be those of the file.
 const to_file = ({ info }: Viewer) => info.to_file ?? 1;
 
+const file_point = (viewer: Viewer, space: Space, p: Vec3): string => p.map((x, d) => from_space(space, d, x) * to_file(viewer)).join(",");
+
 // The camera.
 export function camera_query(viewer: Viewer, space: Space, orbit: Orbit, width: number, height: number): string {
-  const point = (p: Vec3) => p.map((x, d) => from_space(space, d, x) * to_file(viewer)).join(",");
+  const point = (p: Vec3) => file_point(viewer, space, p);
   const field = (2 * Math.atan(reach(width / height).y) * 180) / Math.PI;
   return `size=${width},${height}&fov=${field}&from=${point(eye_of(orbit))}&at=${point(orbit.target)}&up=${orbit.sky === 1 ? "y" : "z"}`;
+}
+
+// The whole domain from the upper end of an axis, without perspective, as large as it can be. What is cut away is what an orbit has in front.
+export function straight_query(viewer: Viewer, space: Space, axis: AxisIndex, orbit: Orbit, width: number, height: number): string {
+  const eye = viewer.bodies.value === "cut" ? `&open-from=${file_point(viewer, space, eye_of(orbit))}` : "";
+  return `size=${width},${height}&view=-${AXIS_NAMES[axis]}&up=${AXIS_NAMES[orbit.sky]}${cut_of(viewer)}${eye}`;
 }
 
 export const sight_of = ({ shown_looks, bodies, small }: Viewer): Sight => ({ looks: shown_looks.value, mode: bodies.value, small: small.value });
@@ -33,14 +41,14 @@ export const PART = 384; // pixels along a side of what is asked for at once
 
 export type Get = (address: string) => Promise<Response>;
 
-export async function fetch_sights(viewer: Viewer, space: Space, query: string, get: Get): Promise<Sights> {
+export async function fetch_sights(viewer: Viewer, space: Space, query: string, get: Get, perspective = true): Promise<Sights> {
   const response = await get(viewer.address.view("bin", `${query}&damage=1`));
-  return decode_sights(await response.arrayBuffer(), space.scale / to_file(viewer));
+  return decode_sights(await response.arrayBuffer(), space.scale / to_file(viewer), perspective);
 }
 
 // What is seen of each layer of labels.
-export const fetch_layers = (viewer: Viewer, space: Space, layers: readonly (readonly number[])[], query: string, get: Get): Promise<Sights[]> =>
-  Promise.all((layers.length ? layers : [[]]).map((labels) => fetch_sights(viewer, space, `${query}${labels_query([labels])}`, get)));
+export const fetch_layers = (viewer: Viewer, space: Space, layers: readonly (readonly number[])[], query: string, get: Get, perspective = true): Promise<Sights[]> =>
+  Promise.all((layers.length ? layers : [[]]).map((labels) => fetch_sights(viewer, space, `${query}${labels_query([labels])}`, get, perspective)));
 
 // What is seen at a point of a picture.
 export interface Seen {

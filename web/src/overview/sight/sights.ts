@@ -16,7 +16,7 @@ interface Lit {
 export interface Sights extends Lit {
   readonly width: number;
   readonly height: number;
-  readonly step: number; // by what share distances may be wrong, because they are rounded
+  readonly step: number; // by what share distances may be wrong, because they are rounded; without perspective, by what length
   readonly far: Float32Array; // the distance from the plane of the eye, 0 where nothing is seen; rows from the top
   // Pixels of which the middle is too little to know: four points of each.
   readonly edges: Lit & { readonly at: Uint32Array };
@@ -33,8 +33,10 @@ function summed(steps: Uint8Array, width: number): Uint8Array {
   return out;
 }
 
+const NEAREST = 1e-38; // above 0 in single precision
+
 // `scale`: by which distances are multiplied. Throws when these are not such bytes.
-export function decode_sights(buffer: ArrayBuffer, scale: number): Sights {
+export function decode_sights(buffer: ArrayBuffer, scale: number, perspective = true): Sights {
   const view = new DataView(buffer);
   if (buffer.byteLength < 40 || view.getUint32(0, true) !== 0x31534354) throw new Error("what is seen: expected bytes that begin with TCS1");
   const [width, height, count] = [4, 8, 12].map((at) => view.getUint32(at, true)) as [number, number, number];
@@ -53,11 +55,11 @@ export function decode_sights(buffer: ArrayBuffer, scale: number): Sights {
   const label = labels(n);
   const [low, high] = [bytes(n), bytes(n)];
   const far = new Float32Array(n);
-  const stretch = farthest > nearest ? Math.log(farthest / nearest) / 65534 : 0;
+  const stretch = farthest > nearest ? (perspective ? Math.log(farthest / nearest) : farthest - nearest) / 65534 : 0;
   for (let i = 0, code = 0; i < n; ++i) {
     if (i % width === 0) code = 0;
     code = (code + low[i]! + 256 * high[i]!) & 65535;
-    if (code > 0) far[i] = Math.max(nearest * Math.exp((code - 1) * stretch), Number.MIN_VALUE);
+    if (code > 0) far[i] = Math.max(perspective ? nearest * Math.exp((code - 1) * stretch) : nearest + (code - 1) * stretch, NEAREST);
   }
   const [own, added, facing] = [summed(bytes(n), width), summed(bytes(n), width), summed(bytes(n), width)];
   const bits = bytes(Math.ceil(n / 8));
