@@ -19,6 +19,7 @@ import { Tour } from "./tour";
 import { TokenForm } from "./token_form";
 import { Views } from "./views/views";
 import "./style.css";
+import "./overview/overview.css"; // not with its module: the browser asks for the style sheet of a module only once, also in vain
 
 keep_theme();
 

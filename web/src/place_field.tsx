@@ -3,9 +3,9 @@ import { useSignal } from "@preact/signals";
 import { useLayoutEffect, useMemo, useRef } from "preact/hooks";
 import { coordinate, grouped } from "./base/format";
 import { AXES, AXIS_NAMES } from "./base/grid";
-import { say } from "./base/messages";
 import { contains } from "./base/names";
 import { type NamedPlace, named_places, places_named } from "./state/named_places";
+import { say_of_place } from "./state/outside";
 import { type Spot, spots_of } from "./state/place_text";
 import type { Viewer } from "./state/viewer";
 import { go_to_labels } from "./visits/go_there";
@@ -27,8 +27,8 @@ function goal_of_spot(viewer: Viewer, { by, point, cell, outside }: Spot): Goal 
   const texts = [`${coordinates} ${viewer.units}`, indices] as const;
   const [text, beside] = by === "cell" ? [texts[1], texts[0]] : texts;
   const go = () => {
-    if (outside) say(outside);
     viewer.look_at_cell(cell);
+    if (outside) say_of_place(viewer, outside);
   };
   return { key: by, text, beside, outside, go };
 }

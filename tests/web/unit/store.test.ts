@@ -2,7 +2,8 @@
 import assert from "node:assert/strict";
 import test from "node:test";
 import { GridAddress } from "@page/base/grid";
-import { ServerError } from "@page/server/api";
+import { toasts } from "@page/base/messages";
+import { ServerError, get } from "@page/server/api";
 import type { Place } from "@page/tiles/place";
 import { SetTable } from "@page/tiles/sets";
 import { type Tile, decode_tile, set_at } from "@page/tiles/tile";
@@ -155,4 +156,15 @@ test("of a damaged tile what can be read of it is asked for at once, and kept", 
   await soon();
   assert.equal(asked.length, 4);
   assert.ok(store.find(place(3))!.damaged);
+});
+
+test("of a request that is called off while its error comes, nobody is told", async () => {
+  const abort = new AbortController();
+  const json = async () => {
+    abort.abort();
+    throw abort.signal.reason;
+  };
+  (globalThis as { fetch: unknown }).fetch = async () => ({ ok: false, status: 500, json });
+  await assert.rejects(get("api/v1/grids/g/stats", { signal: abort.signal }), { name: "AbortError" });
+  assert.deepEqual(toasts.value, []);
 });

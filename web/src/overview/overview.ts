@@ -33,7 +33,6 @@ import { type Theme, read_theme } from "./theme";
 import { make_triad } from "./triad";
 import { Viewpoint } from "./space/viewpoint";
 import { draw_picture } from "./writing";
-import "./overview.css";
 
 const MARKER = 9; // pixels around a marker that belong to it
 const SETTLE = 160; // milliseconds after the last movement until the sharp picture is asked for

@@ -75,7 +75,7 @@ export function BodiesPanel({ viewer }: { viewer: Viewer }) {
         <button class="button" disabled={items.every(({ look }) => look.visible)} onClick={() => show_all_bodies(viewer)}>
           Show all
         </button>
-        <button class="button" disabled={colored} title="Give each body a colour of its own" onClick={give_colors}>
+        <button class="button" disabled={colored} title={colored ? "Some bodies have colours of their own: Reset takes these away first" : "Give each body a colour of its own"} onClick={give_colors}>
           Colour each
         </button>
         <span class="spacer" />

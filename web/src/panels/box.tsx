@@ -63,14 +63,14 @@ function Content({ viewer, box }: { viewer: Viewer; box: Box }) {
   const path = viewer.address.stats(settled.split(",").map(Number));
   const answer = use_answer<Stats>(path);
   const counting = answer.path !== viewer.address.stats(box);
-  const stats = answer.value;
+  const stats = answer.error === null ? answer.value : null; // not that of an earlier box
   const all = product(AXES.map((d) => box[d + 3]! - box[d]));
   const { units } = viewer;
   const present = stats?.materials.filter((m) => m.cells > 0) ?? [];
   const volume = present.reduce((sum, m) => sum + m.volume, 0);
   return (
     <>
-      {answer.error && <p class="problem">The cells can't be counted: {answer.error}</p>}
+      {answer.error && <p class="problem">What is in the box can't be counted: {answer.error}</p>}
       <table class={`stats ${counting ? "counting" : ""}`} aria-busy={counting}>
         <thead>
           <tr>
@@ -103,7 +103,7 @@ function Content({ viewer, box }: { viewer: Viewer; box: Box }) {
             <th scope="row">all</th>
             <td>{grouped(all)}</td>
             <td />
-            <td>{significant(volume, 5)}</td>
+            <td>{stats ? significant(volume, 5) : answer.error && "can't be counted"}</td>
           </tr>
         </tfoot>
       </table>

@@ -13,7 +13,7 @@ import { Select } from "../widgets/select";
 import { KINDS, LEVEL_CARE } from "./finding_words";
 import { FirstOf } from "./first_of";
 import { GoThere, point_text } from "./places";
-import { use_unfolded } from "./unfolded";
+import { use_unfolded } from "./kept";
 
 const MANY = 20; // findings listed at once
 const [WIDTH, HEIGHT] = [288, 180]; // CSS pixels of a picture

@@ -16,7 +16,7 @@ import { FindingsList, NotChecked } from "./findings";
 import { FirstOf } from "./first_of";
 import { BodyDetails } from "./report_body";
 import { type Care, DAMAGED, body_cells, care_of, levels_text, size_text } from "./report_words";
-import { use_unfolded } from "./unfolded";
+import { use_unfolded } from "./kept";
 
 const MANY = 100; // items of a list that are shown at once
 const MANY_BODIES = 8; // with this many or more, only those with something to say are unfolded

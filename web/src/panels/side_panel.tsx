@@ -6,6 +6,7 @@ import { IconButton } from "../widgets/icons";
 import { use_sheet } from "../widgets/sheet";
 import { BodiesPanel } from "./bodies";
 import { BoxPanel } from "./box";
+import { use_scrolled } from "./kept";
 import { LeavesPanel } from "./leaves";
 import { MaterialsPanel } from "./materials";
 import { ReportPanel } from "./report";
@@ -36,6 +37,7 @@ export function SidePanel({ viewer }: { viewer: Viewer }) {
   const tab = tabs.find((t) => t.panel === shown);
   const care = damaged_grids.value.includes(viewer.info.id) ? DAMAGED : care_of(viewer.info);
   const { sheet, head } = use_sheet(shown !== null, (show) => (viewer.panel.value = show ? (viewer.panel.peek() ?? "materials") : null));
+  const content = use_scrolled(viewer, shown);
   // As usual for tabs, the tab key stops once, and the arrow keys go from one tab to the next.
   const on_key = (event: KeyboardEvent) => {
     const step = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
@@ -76,7 +78,7 @@ export function SidePanel({ viewer }: { viewer: Viewer }) {
         />
       </div>
       {tab && (
-        <div class="panel-content" id="panel-content" role="tabpanel" aria-labelledby={`tab-${tab.panel}`} key={tab.panel} tabIndex={-1}>
+        <div class="panel-content" id="panel-content" role="tabpanel" aria-labelledby={`tab-${tab.panel}`} key={tab.panel} tabIndex={-1} ref={content}>
           <tab.Content viewer={viewer} />
         </div>
       )}

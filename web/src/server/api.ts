@@ -112,7 +112,11 @@ export async function get(path: string, options: { signal?: AbortSignal; priorit
   }
   if (is_proxys(response.status)) not_reached();
   else reached();
-  if (!response.ok) throw noted(await error_of(response), path);
+  if (!response.ok) {
+    const error = await error_of(response);
+    options.signal?.throwIfAborted(); // while its reason came
+    throw noted(error, path);
+  }
   return response;
 }
 

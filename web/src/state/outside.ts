@@ -3,6 +3,19 @@
 import type { Axis } from "../base/axis";
 import { coordinate, grouped, unit_name } from "../base/format";
 import { AXES, AXIS_NAMES, type AxisIndex } from "../base/grid";
+import { drop, say } from "../base/messages";
+import type { Viewer } from "./viewer";
+
+// Says it of where the crosshair has been put, until it is moved on.
+export function say_of_place(viewer: Viewer, text: string): void {
+  say(text);
+  const here = viewer.cell.peek();
+  const stop = viewer.cell.subscribe((cell) => {
+    if (cell === here) return;
+    drop(text);
+    stop();
+  });
+}
 
 type Axes = readonly [Axis, Axis, Axis];
 

@@ -1,8 +1,9 @@
-// The button of a view that shows it alone, or all four again.
+// The button of a view that shows it alone, or all four again. The tab key passes it by: the view itself takes its key.
 export function MaximiseButton({ what, alone, toggle }: { what: string; alone: boolean; toggle: () => void }) {
   return (
     <button
       class="view-maximise"
+      tabIndex={-1}
       aria-label={alone ? "All four views" : `${what} alone`}
       title={alone ? "All four views (space)" : "This view alone (space)"}
       onClick={toggle}

@@ -2,8 +2,7 @@
 import { useSignal } from "@preact/signals";
 import { coordinate, number_of } from "../base/format";
 import { AXIS_NAMES, type AxisIndex } from "../base/grid";
-import { say } from "../base/messages";
-import { outside_coordinate, outside_slice } from "../state/outside";
+import { outside_coordinate, outside_slice, say_of_place } from "../state/outside";
 import type { Viewer } from "../state/viewer";
 import { toggle_sweep } from "./actions";
 
@@ -60,6 +59,7 @@ function Step({ axis, by, take, disabled }: { axis: AxisIndex; by: 1 | -1; take:
   return (
     <button
       class="slice-button slice-step"
+      tabIndex={-1} // the slider beside it takes the arrow keys
       aria-label={`${what} across ${AXIS_NAMES[axis]}`}
       title={`${what} (${by > 0 ? "." : ","})`}
       onClick={take}
@@ -83,8 +83,8 @@ export function SliceBar({ viewer, axis }: { viewer: Viewer; axis: AxisIndex }) 
   };
   // What is typed may lie outside; buttons and the slider do not.
   const take_typed = (index: number, outside: string | null) => {
-    if (outside) say(outside);
     take(index);
+    if (outside) say_of_place(viewer, outside);
   };
   const place = (i: number) => coordinate(a.centre(i), a.width(i));
   const widest = Math.max(place(0).length, place(a.cells - 1).length, place(slice).length);

@@ -33,6 +33,19 @@ export function ToolNote({ viewer }: { viewer: Viewer }) {
   );
 }
 
+// The first stop of the tab key in the views: the panel comes after all of them.
+function SkipToPanel({ viewer }: { viewer: Viewer }) {
+  const skip = () => {
+    const panel = (viewer.panel.value ??= "materials");
+    setTimeout(() => document.getElementById(`tab-${panel}`)?.focus()); // once it is there
+  };
+  return (
+    <button class="button skip" onClick={skip}>
+      Skip to the panel
+    </button>
+  );
+}
+
 export function Views({ viewer }: { viewer: Viewer }) {
   const host = useRef<HTMLDivElement>(null);
   const stage = useMemo(() => new Stage(viewer), [viewer]);
@@ -43,6 +56,7 @@ export function Views({ viewer }: { viewer: Viewer }) {
   }, [stage]);
   return (
     <div class="views" data-layout={viewer.layout.value} ref={host}>
+      <SkipToPanel viewer={viewer} />
       {ORDER.map((axis) => (
         <SlicePanel key={axis} stage={stage} viewer={viewer} axis={axis} />
       ))}
