@@ -305,6 +305,13 @@ test("the whole grids are counted as teracell diff counts them, and a change is 
   assert.deepEqual(await state(page, "box"), box);
   const looked_at = await page.evaluate(() => teracell.viewer.axes.map((axis, d) => axis.cell_at(teracell.viewer.orbit.value.target[d])));
   assert.ok(looked_at.every((i, d) => i >= box[d] && i <= box[d + 3]), `it looks at ${looked_at}, not at ${box}`);
+  await mode(page, "Wipe");
+  assert.equal(await state(page, "bodies"), "cut", "whole bodies would hide it");
+  const cell = await state(page, "cell");
+  await page.getByRole("button", { name: "End the comparison" }).click();
+  await settled(page);
+  assert.deepEqual(await state(page, "cell"), cell);
+  assert.ok(await page.evaluate(() => teracell.viewer.shows_all()));
   await close(page);
 });
 
