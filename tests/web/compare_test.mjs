@@ -355,5 +355,8 @@ for (const [name, width, height] of [["upright", 390, 844], ["on its side", 844,
       assert.ok(bars, `${label}: a bar is cut off`);
     }
     await screenshot(page, `compare-phone-${width}`);
+    if (width < height) await page.getByRole("button", { name: "Side panel" }).click();
+    await page.locator(".change").first().getByRole("button", { name: "Go there: middle" }).click();
+    await settled(page);
     await close(page);
   });
