@@ -184,6 +184,25 @@ test("marks are on the pixels whose materials have other names, cell by cell at 
   await close(page);
 });
 
+// OKLab of B. Ottosson, 2020, times 100: 2 is just told apart.
+function oklab(hex) {
+  const [r, g, b] = [1, 3, 5].map((at) => Number.parseInt(hex.slice(at, at + 2), 16) / 255).map((c) => (c <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4));
+  const [l, m, s] = [[0.41222, 0.53633, 0.05145], [0.2119, 0.6807, 0.1074], [0.0883, 0.28172, 0.62998]].map(([x, y, z]) => Math.cbrt(x * r + y * g + z * b));
+  return [21.0454 * l + 79.3618 * m - 0.4072 * s, 197.7998 * l - 242.8592 * m + 45.0594 * s, 2.5904 * l + 78.2772 * m - 80.8676 * s];
+}
+
+test("the colours of what differs are clear beside those that materials get, and beside each other, in both themes", () => {
+  const style = readFileSync(new URL("../../web/src/style/base.css", import.meta.url), "utf8");
+  const given = ["56b4e9", "e69f00", "009e73", "d55e00", "cc79a7", "f0e442", "0072b2", "377597", "956700", "00664a", "8a3d00", "844e6c"].map((hex) => oklab(`#${hex}`));
+  const apart = (a, b) => Math.hypot(...a.map((x, n) => x - b[n]));
+  const themes = ["added", "removed", "differs"].map((name) => [...style.matchAll(new RegExp(`--${name}: (#[0-9a-f]{6})`, "g"))].map(([, hex]) => oklab(hex)));
+  for (const theme of [0, 1])
+    themes.forEach((of, n) => {
+      assert.ok(Math.min(...given.map((color) => apart(color, of[theme]))) > 8);
+      assert.ok(themes.slice(0, n).every((other) => apart(other[theme], of[theme]) > 25));
+    });
+});
+
 // The changes that `teracell render` shows of the grid that `teracell diff` writes, where the page looks: for each pixel both names, or null.
 function changes_seen({ azimuth, elevation, distance, target }, [width, height]) {
   const [a, e] = [(azimuth * Math.PI) / 180, (elevation * Math.PI) / 180];
@@ -222,7 +241,7 @@ test("in three dimensions both grids turn together, and what differs has the col
   const hue_at = (i) => {
     const pixel = picture.data[(Math.round(top) + Math.floor(i / size[0])) * picture.width + Math.round(left) + (i % size[0])];
     const [r, g, b] = [pixel & 255, (pixel >> 8) & 255, (pixel >> 16) & 255];
-    return g > r + 25 ? "added" : r > g + 60 && b > g + 30 ? "other" : r > b + 40 ? "removed" : "neither";
+    return g > r + 25 ? "added" : b > r + 40 && r > g + 25 ? "other" : r > b + 40 ? "removed" : "neither";
   };
   const counts = { added: [0, 0], removed: [0, 0], other: [0, 0], neither: [0, 0] };
   for (const [i, change] of changes_seen(orbit, size).entries()) {
@@ -286,6 +305,13 @@ test("the whole grids are counted as teracell diff counts them, and a change is 
   assert.deepEqual(await state(page, "box"), box);
   const looked_at = await page.evaluate(() => teracell.viewer.axes.map((axis, d) => axis.cell_at(teracell.viewer.orbit.value.target[d])));
   assert.ok(looked_at.every((i, d) => i >= box[d] && i <= box[d + 3]), `it looks at ${looked_at}, not at ${box}`);
+  await mode(page, "Wipe");
+  assert.equal(await state(page, "bodies"), "cut", "whole bodies would hide it");
+  const cell = await state(page, "cell");
+  await page.getByRole("button", { name: "End the comparison" }).click();
+  await settled(page);
+  assert.deepEqual(await state(page, "cell"), cell);
+  assert.ok(await page.evaluate(() => teracell.viewer.shows_all()));
   await close(page);
 });
 
@@ -329,5 +355,8 @@ for (const [name, width, height] of [["upright", 390, 844], ["on its side", 844,
       assert.ok(bars, `${label}: a bar is cut off`);
     }
     await screenshot(page, `compare-phone-${width}`);
+    if (width < height) await page.getByRole("button", { name: "Side panel" }).click();
+    await page.locator(".change").first().getByRole("button", { name: "Go there: middle" }).click();
+    await settled(page);
     await close(page);
   });

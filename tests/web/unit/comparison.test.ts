@@ -3,8 +3,9 @@ import assert from "node:assert/strict";
 import test from "node:test";
 import { axes_of } from "@page/base/axis";
 import { AXES, type AxisIndex, type AxisJson, type GridInfo, type Index3 } from "@page/base/grid";
-import { common_bounds, in_units, link, looks_by_name, middle_of, new_comparison, slices_meet, toggle_comparison, totals_of, unequal_cells } from "@page/state/comparison";
+import { change_comparison, common_bounds, in_units, link, looks_by_name, middle_of, new_comparison, slices_meet, toggle_comparison, totals_of, unequal_cells } from "@page/state/comparison";
 import { Viewer } from "@page/state/viewer";
+import type { Range } from "@page/state/zoom";
 import { random_of, whole } from "./random";
 
 const random = random_of(15);
@@ -158,6 +159,30 @@ test("a comparison begins with a grid of as many cells, or else another one, or 
   assert.equal(chosen(summary("a", 5), summary("g", 4)), "a");
   assert.equal(chosen(summary("g", 4)), "g");
   assert.equal(chosen(), "g");
+});
+
+test("a comparison ends with the slices as they were, unless somebody has moved them, and begins again with the same grid", () => {
+  const viewer = new Viewer(info_of([uniform(0, 1, 9), uniform(0, 1, 9), uniform(0, 1, 4)]));
+  const toggle = () => toggle_comparison(viewer, ["x", "y"].map((id) => ({ id, cells: [9, 9, 4] }) as never));
+  const seen = () => [viewer.centre.value, viewer.zoom.value, viewer.bodies.value];
+  const there = [{ min: 1, max: 2 }, { min: 1, max: 3 }, { min: 0, max: 1 }] as [Range, Range, Range];
+  [viewer.centre.value, viewer.zoom.value] = [[4, 3, 2], 5];
+  const before = seen();
+  toggle();
+  change_comparison(viewer, { ...viewer.compare.value!, other: "y", space: true, mode: "differs" });
+  assert.equal(viewer.bodies.value, "whole");
+  change_comparison(viewer, { ...viewer.compare.value!, mode: "wipe" });
+  assert.equal(viewer.bodies.value, "cut", "the place that was gone to is seen");
+  viewer.frame(there);
+  assert.equal(viewer.shows_all(), false);
+  toggle();
+  assert.deepEqual(seen(), before);
+  toggle();
+  assert.deepEqual([viewer.compare.value!.other, viewer.compare.value!.mode], ["y", "wipe"]);
+  viewer.frame(there);
+  [viewer.centre.value, viewer.zoom.value] = [[1.5, 2, 0.5], 9];
+  toggle();
+  assert.deepEqual(seen(), [[1.5, 2, 0.5], 9, "cut"]);
 });
 
 test("what differs is added, removed or of another material, by the background of each grid, and counted exactly", () => {

@@ -33,9 +33,9 @@ export class Pair {
     this.comparison = page.compare;
     const right = in_units(other, page.info.units);
     const axes = [page.axes, axes_of(right)] as const;
-    const { centre, zoom, help, show_axes, show_scale, show_lines, show_outline, show_leaves, refinement, tool, measures, chosen, measuring, orbit, bodies, plane_normal, sky } = page;
+    const { centre, zoom, framed, help, show_axes, show_scale, show_lines, show_outline, show_leaves, refinement, tool, measures, chosen, measuring, orbit, bodies, plane_normal, sky } = page;
     const shared: Shared = {
-      ...{ centre, zoom, help, show_axes, show_scale, show_lines, show_outline, show_leaves, refinement, tool, measures, chosen, measuring, orbit, bodies, plane_normal, sky },
+      ...{ centre, zoom, framed, help, show_axes, show_scale, show_lines, show_outline, show_leaves, refinement, tool, measures, chosen, measuring, orbit, bodies, plane_normal, sky },
       bounds: common_bounds(...axes),
       finest: Math.min(...axes.flat().map((axis) => axis.finest)),
       layout: signal<Layout>("z"),
@@ -50,7 +50,7 @@ export class Pair {
   start(host: HTMLElement): () => void {
     const [left, right] = [this.left.viewer, this.right.viewer];
     for (const stage of [this.left, this.right]) stage.on_draw = () => void ++this.frames.value;
-    if (left.zoom.value === 0) fit(left);
+    if (left.zoom.value === 0 && !left.in_frame) fit(left);
     const stops = [
       effect(() => {
         const c = this.comparison.value;

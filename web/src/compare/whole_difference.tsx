@@ -8,8 +8,9 @@ import { BoxText } from "../panels/places";
 import { FirstOf } from "../panels/first_of";
 import { use_answer } from "../server/answer";
 import { get_json } from "../server/api";
-import { exact, totals_of, unequal_cells } from "../state/comparison";
+import { exact, show_place, totals_of, unequal_cells } from "../state/comparison";
 import type { Box, Comparison } from "../state/viewer";
+import { middle_cell, with_surroundings } from "../visits/go_there";
 import { CodeLine } from "../widgets/copy";
 import { Swatch } from "../widgets/swatch";
 import { DifferenceMarks } from "./compared_place";
@@ -47,8 +48,10 @@ function ChangeLine({ pair, comparison, change, all }: { pair: Pair; comparison:
     batch(() => {
       comparison.value = { ...comparison.value, together: true, apart: 0 };
       viewer.box.value = box;
-      viewer.go_to_box(box);
+      viewer.set_cell(middle_cell(box));
       viewer.set_slice(axis, slice);
+      viewer.frame(with_surroundings(viewer, box));
+      show_place(viewer, comparison.value);
     });
     const here = viewer.cell.peek();
     const { cell } = await get_json<{ cell: Index3 | null }>(viewer.address.changed(pair.right.viewer.info.id, change, here, within));

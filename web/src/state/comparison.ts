@@ -24,37 +24,57 @@ export function axis_named(text: string | null): AxisIndex {
   return d < 0 ? 2 : (d as AxisIndex);
 }
 
-// Ends the comparison. The overview is as it was before; where nobody saw that, it shows everything.
+// The grids that were compared last, and how. A comparison of one of them begins with the other one.
+let last: { readonly grids: readonly [string, string]; readonly mode: ComparisonMode } | null = null;
+
+// Ends the comparison. The overview is as it was before, and so are the slices, unless somebody has moved or zoomed them; where nobody saw that, they
+// show everything.
 export function end_comparison(viewer: Viewer): void {
+  const { before } = viewer;
+  const { other, mode } = viewer.compare.value!;
+  last = { grids: [viewer.info.id, other], mode };
   batch(() => {
     viewer.compare.value = null;
-    viewer.orbit.value = viewer.before?.orbit ?? null;
-    viewer.bodies.value = viewer.before?.bodies ?? "cut";
+    viewer.orbit.value = before?.orbit ?? null;
+    viewer.bodies.value = before?.bodies ?? "cut";
+    if (!viewer.in_frame) return;
+    viewer.centre.value = before?.centre ?? viewer.middle();
+    viewer.zoom.value = before?.zoom ?? 0;
   });
+}
+
+const shows_difference = ({ space, mode }: Comparison): boolean => space && mode === "differs";
+
+// Bodies are cut open at a place that was gone to, which whole ones may hide.
+export function show_place(viewer: Viewer, comparison: Comparison): void {
+  if (viewer.bodies.value === "whole" && !shows_difference(comparison)) viewer.bodies.value = "cut";
 }
 
 // What differs is seen of whole bodies at first: cut open, much of it would be missing.
 export function change_comparison(viewer: Viewer, to: Comparison): void {
-  const shows = ({ space, mode }: Comparison) => space && mode === "differs";
+  const now = viewer.compare.value;
+  const did = now !== null && shows_difference(now);
   batch(() => {
-    if (shows(to) && !(viewer.compare.value && shows(viewer.compare.value))) viewer.bodies.value = "whole";
+    if (shows_difference(to) && !did) viewer.bodies.value = "whole";
+    else if (did) show_place(viewer, to);
     viewer.compare.value = to;
   });
 }
 
-// Opens or ends the comparison: with a grid of as many cells if there is one, or another one, or another slice.
+// Opens or ends the comparison: with the same grid as last time, or else one of as many cells, or another one, or another slice.
 export function toggle_comparison(viewer: Viewer, grids: readonly GridSummary[]): void {
-  const others = grids.filter(({ id }) => id !== viewer.info.id);
-  const alike = others.find(({ cells }) => cells.every((n, d) => n === viewer.cells[d]));
+  const own = viewer.info.id;
+  const others = grids.filter(({ id }) => id !== own);
+  const again = last?.grids.includes(own) ? last.grids.find((id) => id !== own) : undefined;
+  const other = others.find(({ id }) => id === again) ?? others.find(({ cells }) => cells.every((n, d) => n === viewer.cells[d])) ?? others[0];
   batch(() => {
     viewer.tool.value = "look";
-    if (viewer.compare.value) end_comparison(viewer);
-    else {
-      viewer.before = { orbit: viewer.orbit.value, bodies: viewer.bodies.value };
-      if (viewer.shows_all()) viewer.zoom.value = 0; // all of both
-      const comparison = new_comparison(viewer, (alike ?? others[0] ?? viewer.info).id, axis_named(viewer.layout.peek()));
-      viewer.compare.value = { ...comparison, space: viewer.layout.peek() === "3d" && others.length > 0 };
-    }
+    if (viewer.compare.value) return end_comparison(viewer);
+    if (viewer.shows_all()) viewer.zoom.value = 0; // all of both
+    viewer.before = { orbit: viewer.orbit.value, bodies: viewer.bodies.value, centre: viewer.centre.value, zoom: viewer.zoom.value };
+    if (viewer.in_frame) viewer.zoom.value = 0; // as large as fits there
+    const begun = new_comparison(viewer, (other ?? viewer.info).id, axis_named(viewer.layout.peek()));
+    change_comparison(viewer, { ...begun, mode: last && again === begun.other ? last.mode : begun.mode, space: viewer.layout.peek() === "3d" && others.length > 0 });
   });
 }
 

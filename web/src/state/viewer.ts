@@ -64,7 +64,7 @@ export type Shared = Partial<
   Pick<
     Viewer,
     | "bounds" | "finest" | "cell" | "centre" | "zoom" | "looks" | "body_looks" | "layout" | "help" | "show_axes" | "show_scale" | "show_lines" | "show_outline" | "show_leaves" | "refinement"
-    | "tool" | "measures" | "chosen" | "measuring" | "box" | "visited" | "orbit" | "bodies" | "plane_normal" | "sky"
+    | "tool" | "measures" | "chosen" | "measuring" | "box" | "framed" | "visited" | "orbit" | "bodies" | "plane_normal" | "sky"
   >
 >;
 
@@ -82,6 +82,8 @@ export class Viewer {
   // as large as fits; the views replace it as soon as they know their sizes.
   readonly centre: Signal<[number, number, number]>;
   readonly zoom: Signal<number>;
+  // The box, in coordinates, that was framed last, with the middle that the views got by that: it fits them until somebody moves or zooms them.
+  readonly framed = signal<{ box: [Range, Range, Range]; centre: [number, number, number] } | null>(null);
 
   // Whether the slices have been sharp once, or were waited for long enough. All else is asked for after that: the first picture has the
   // machine for itself.
@@ -95,7 +97,7 @@ export class Viewer {
 
   readonly layout = signal<Layout>("four");
   readonly compare = signal<Comparison | null>(null); // what the page shows in place of the views
-  before: { orbit: OrbitState | null; bodies: BodyMode } | null = null; // how the overview was before the comparison, if it was seen
+  before: { orbit: OrbitState | null; bodies: BodyMode; centre: [number, number, number]; zoom: number } | null = null; // what was seen before the comparison, if anything was
   readonly help = signal(false); // whether the list of gestures and keys is shown
   readonly figure = signal(false); // whether the dialog that saves a figure is shown
   readonly going = signal(false); // whether the field for a place has the focus
@@ -233,9 +235,15 @@ export class Viewer {
     return for_axes((d) => (this.bounds[d].min + this.bounds[d].max) / 2);
   }
 
+  // The box that the views show as large as fits, if it is not everything.
+  get in_frame(): [Range, Range, Range] | null {
+    const framed = this.framed.value;
+    return framed?.centre === this.centre.value ? framed.box : null;
+  }
   // Whether the views show everything, as large as fits.
   shows_all(): boolean {
     const middle = this.middle();
+    if (this.in_frame) return false;
     return this.zoom.value === 0 || (this.centre.value.every((x, d) => x === middle[d]) && this.zoom.value === fitting_zoom(this.bounds, this.views));
   }
 
@@ -300,8 +308,10 @@ export class Viewer {
   // All views come so near that a box, in coordinates, fills a good part of them; the overview flies there.
   frame(box: [Range, Range, Range]): void {
     batch(() => {
-      this.centre.value = for_axes((d) => (box[d].min + box[d].max) / 2);
-      if (this.views.length) this.zoom.value = fitting_zoom(box, this.views);
+      const centre = for_axes((d) => (box[d].min + box[d].max) / 2);
+      this.centre.value = centre;
+      this.framed.value = { box, centre };
+      this.zoom.value = this.views.length ? fitting_zoom(box, this.views) : 0;
       this.visited.value = box;
     });
   }

@@ -200,13 +200,14 @@ export class Stage {
     return visible.length ? fitting_zoom(this.viewer.bounds, visible) : 0;
   }
 
-  // A grid that fits its views continues to fit when their sizes change, until somebody zooms or moves it. A zoom that
-  // comes from elsewhere, such as an address, is kept within the limits of zooming.
+  // A grid that fits its views continues to fit when their sizes change, until somebody zooms or moves it; so does a box in it that is framed. A zoom
+  // that comes from elsewhere, such as an address, is kept within the limits of zooming.
   private settle_zoom(): void {
-    const { centre, finest, zoom } = this.viewer;
-    const [fitting, middle] = [this.fitting(), this.viewer.middle()];
-    const fits = zoom.value === 0 || (zoom.value === this.fitted && centre.value.every((x, d) => x === middle[d]));
-    zoom.value = fits ? fitting : clamped_zoom(zoom.value, finest, fitting);
+    const { centre, finest, in_frame, zoom } = this.viewer;
+    const [all, middle] = [this.fitting(), this.viewer.middle()];
+    const fitting = in_frame ? clamped_zoom(fitting_zoom(in_frame, this.visible), finest, all) : all;
+    const fits = zoom.value === 0 || (zoom.value === this.fitted && (in_frame || centre.value.every((x, d) => x === middle[d])));
+    zoom.value = fits ? fitting : clamped_zoom(zoom.value, finest, all);
     this.fitted = fitting;
     this.viewer.views = this.visible.map(({ axis, width, height }) => ({ axis, width, height }));
   }

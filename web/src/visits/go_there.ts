@@ -9,8 +9,10 @@ import { labels_named, labels_of_overlap } from "../state/isolation";
 import type { Box, Viewer } from "../state/viewer";
 
 const ROOM = 0.15; // around a body, as a share of its longest side
-const ROOM_OF_FINDING = 0.3; // around the place of a finding, which says little without what is near it
+const ROOM_OF_PLACE = 0.3; // around a finding or a difference, which says little without what is near it
 const CELLS_AROUND = 8;
+
+export const with_surroundings = ({ axes }: Viewer, place: Box) => with_room(axes, place, ROOM_OF_PLACE, CELLS_AROUND);
 
 export const middle_cell = (box: Box): Index3 => for_axes((d) => (box[d] + box[d + 3]! - 1) >> 1);
 
@@ -54,6 +56,6 @@ export function go_to_finding(viewer: Viewer, { at, box, bodies, kind }: Pick<Fi
     viewer.isolated.value = { labels, box: place };
     viewer.set_cell(cell);
     if (of_overlap.length > 0) enter(viewer, of_overlap, middle_cell(place)).catch(() => {}); // it stays there
-    viewer.frame(with_room(viewer.axes, place, ROOM_OF_FINDING, CELLS_AROUND));
+    viewer.frame(with_surroundings(viewer, place));
   });
 }

@@ -23,7 +23,7 @@ export function relabelled(sights: Sights, to: (label: number) => number): Sight
 // In the colours that the slices have.
 function palette_in(root: HTMLElement): Palette {
   const style = getComputedStyle(root);
-  const colors = ["--removed", "--added", "--marker"].map((name) => rgb_of_color(style.getPropertyValue(name).trim()));
+  const colors = ["--removed", "--added", "--differs"].map((name) => rgb_of_color(style.getPropertyValue(name).trim()));
   const squares = [...colors, [128, 134, 144], ...STRIPES].flat().map((c) => (c / 255) ** 2);
   const veil = colors.map(() => VEILS.indexOf("solid"));
   return {

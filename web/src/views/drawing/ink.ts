@@ -41,7 +41,7 @@ export function read_ink(host: HTMLElement): Ink {
     line: rgb("line"),
     accent: css("accent"),
     marker: css("marker"),
-    differences: [0, (packed(rgb("accent")) & 0x60ffffff) >>> 0, ...["partly", "marker", "removed", "added"].map((name) => packed(rgb(name)))],
+    differences: [0, (packed(rgb("accent")) & 0x60ffffff) >>> 0, ...["partly", "differs", "removed", "added"].map((name) => packed(rgb(name)))],
     axes: [css("x"), css("y"), css("z")],
   };
   probe.remove();
