@@ -50,13 +50,15 @@ interface Wish {
   readonly legend: readonly string[];
 }
 
-// Two at least, since one says nothing of the scale.
+// Two at least, since one says nothing of the scale: where there is room for no more, the outer ones.
 export function ticks_of({ low, high }: Pick<Scale, "low" | "high">, length: number, every = ACROSS): Tick[] {
   const ends = [Math.min(low, high), Math.max(low, high)] as const;
-  let most = Math.max(1, Math.floor(length / every));
+  const room = Math.max(1, Math.floor(length / every));
+  let most = room;
   let places = ticks(...ends, most);
-  while (places.length < 2 && most < 5) places = ticks(...ends, ++most); // steps are less than 2.5 times what is asked for
+  while (places.length < 2 && most < 5) places = ticks(...ends, ++most); // steps are at most 2.5 times what is asked for
   const step = places[1]! - places[0]!;
+  if (most > room) places = [places[0]!, places.at(-1)!];
   return places.map((x) => ({ at: (x - low) / (high - low), text: coordinate(x, 10 * step) })).sort((a, b) => a.at - b.at);
 }
 

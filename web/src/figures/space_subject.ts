@@ -13,7 +13,7 @@ import type { Picture, Subject } from "./subject";
 const ROUGHLY = 400; // pixels in which the content is looked for
 const MARGIN = 0.01; // around the content, as a share of the whole width
 const FARTHEST = 0.3; // of the view, beyond its borders: so far a figure shows the domain with the view
-const ROOM = { across: 44, above: 8, below: 28 }; // points beside the domain, for coordinates
+const ROOM = { across: 50, above: 8, below: 28 }; // points beside the domain, for coordinates
 
 // Where the page looks from, and the shape of its view.
 export function page_view(viewer: Viewer, space: Space): { orbit: Orbit; aspect: number } {
