@@ -6,6 +6,7 @@
 #include "store/base/wanted.hpp"
 #include "store/check/kept.hpp"
 #include "store/text/json_writer.hpp"
+#include "store/text/text.hpp"
 
 namespace teracell::server {
 namespace {
@@ -35,7 +36,9 @@ Response list(Service& service, const Target& target, std::span<const Protocol> 
   for (const auto& grid : service.grids().all()) {
     out.begin_object().field("id", grid->id).field("name", grid->id).field("cells", grid->meta().grid.cells());
     out.field("bytes", grid->reader().file_bytes()).field("hash", grid->hash).field("units", grid->meta().units).field("modified", grid->modified);
-    out.field("checked", !grid->path.empty() && has_kept_findings(grid->path, grid->reader())).key("protocols").begin_array();
+    out.field("checked", !grid->path.empty() && has_kept_findings(grid->path, grid->reader()));
+    const std::string damage = shortened(grid->reader().damage());
+    out.field("damage", damage.empty() ? std::nullopt : std::optional(damage)).key("protocols").begin_array();
     for (const Protocol& p : protocols) out.begin_object().field("title", p.title).field("path", address_of(p, *grid)).end_object();
     out.end_array().end_object();
   }

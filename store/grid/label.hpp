@@ -31,7 +31,7 @@ class SetTable {
   uint32_t ids() const { return labels_ + sets_.size(); }  // handed out so far, including sets of one label
   // Members in ascending order.
   std::vector<Label> members(SetId id) const;
-  // REQUIRES: members ascend strictly, are below labels(), at least one.
+  // REQUIRES: members ascend strictly and are below labels(). None stand for what can't be read; such a set is not to be united.
   SetId intern(const std::vector<Label>& members);
   size_t memory() const { return sets_.memory(); }  // bytes on the heap
   SetId unite(SetId a, SetId b) {

@@ -36,6 +36,16 @@ std::vector<ChunkKey> chunks_below(const ChunkKey& key, const LevelShape& below)
   return out;
 }
 
+// "cells x 64 to 127, y 0 to 63, z 0 to 99": those of level 0 that chunks cover, `wide` of them along u and v.
+std::string cells_of(const Metadata& meta, const ChunkKey& first, uint32_t wide = 1) {
+  const int64_t rays = int64_t{meta.chunk_rays} << first.level, cells = int64_t{meta.chunk_cells} << first.level;
+  const Box box = meta.frame().box({first.cu * rays, first.cv * rays, first.segment * cells},
+                                   {(first.cu + wide) * rays, (first.cv + wide) * rays, (first.segment + 1) * cells});
+  const Index3 n = meta.grid.cells();
+  const auto range = [&](int d) { return fmt::format("{} {} to {}", axis_name(d), box.lo[d], std::min(box.hi[d], n[d]) - 1); };
+  return fmt::format("cells {}, {}, {}", range(0), range(1), range(2));
+}
+
 }  // namespace
 
 GridReader::GridReader(const std::filesystem::path& path) : GridReader(std::make_unique<InputFile>(path)) {}
@@ -74,6 +84,26 @@ GridReader::GridReader(std::unique_ptr<ByteSource> source, std::shared_ptr<Chunk
   });
 }
 
+// Calls f(). A FormatError names the file, and is noted.
+template <class F>
+auto GridReader::reading(F&& f) const try {
+  return naming(name(), std::forward<F>(f));
+} catch (const FormatError& e) {
+  noted(e.what());
+  throw;
+}
+
+const std::string& GridReader::noted(const std::string& fault) const {
+  std::lock_guard lock(damage_mutex_);
+  if (damage_.empty()) damage_ = fault;
+  return fault;
+}
+
+std::string GridReader::damage() const {
+  std::lock_guard lock(damage_mutex_);
+  return damage_;
+}
+
 std::string GridReader::hash() const { return hex(footer_.hash); }
 
 std::string GridReader::report() const {
@@ -83,7 +113,7 @@ std::string GridReader::report() const {
 }
 
 void GridReader::append_report(std::string& text) const {
-  naming(name(), [&] {
+  reading([&] {
     const size_t before = text.size();
     {
       Bytes frame;
@@ -170,7 +200,7 @@ uint64_t GridReader::cells_frame(const Channel& channel, const ChunkKey& key) co
 
 bool GridReader::read_cells(const Channel& channel, const ChunkKey& key, Bytes& frame) const {
   Wanted::stop_if_not();
-  return naming(name(), [&] {
+  return reading([&] {
     const uint64_t number = cells_frame(channel, key);
     if (number == kNoFrame) return false;
     const DirectoryEntry place = frame_place(channel, number);
@@ -189,18 +219,20 @@ std::shared_ptr<const std::vector<ChunkEntry>> GridReader::page(int level, uint6
   if (!part) {
     Bytes bytes;
     const DirectoryEntry place_in_file = page_place(level, page);
-    const std::string what = fmt::format("level {} index page {}", level, page);
+    const LevelShape s = shape(level);
+    const ChunkKey first = s.key_of(page, 0);
+    const std::string what = fmt::format("level {} index page {}, {}", level, page, cells_of(meta_, first, s.page_chunks));
     read_checked(*source_, place_in_file, what, bytes);
     claims_.expect_own({level, true, page}, place_in_file);
-    part = std::make_shared<const IndexPart>(IndexPart{
-        {}, decode_page(bytes, shape(level).page_size(page), level == 0, static_cast<uint32_t>(meta_.labels.size()), place_in_file.offset), {}});
+    part = std::make_shared<const IndexPart>(
+        IndexPart{{}, decode_page(bytes, s.page_size(page), level == 0, static_cast<uint32_t>(meta_.labels.size()), place_in_file.offset), {}});
     index_->add(place, part, memory_of(*part));
   }
   return {part, &part->page};
 }
 
 std::shared_ptr<const ChunkEntry> GridReader::entry(const ChunkKey& key) const {
-  return naming(name(), [&] {
+  return reading([&] {
     const LevelShape s = shape(key.level);
     const uint64_t p = s.page_of(key);
     const auto found = page(key.level, p);
@@ -244,7 +276,7 @@ void GridReader::prefetch(int level, const Box& box, bool with_chunks) const {
     keys.push_back(p.key);
     return true;
   });
-  naming(name(), [&] {
+  reading([&] {
     std::vector<ByteRange> places;
     for (const uint64_t page : pages) {
       const BlockPlace block = directory_block(page / kBlockEntries, s.pages());
@@ -299,7 +331,7 @@ void GridReader::prefetch_cells(const Channel& channel, const Box& box) const {
       if (const uint64_t frame = frame_of(key); frame != kNoFrame && (frames.empty() || frames.back() != frame)) frames.push_back(frame);
     return frames;
   };
-  naming(name(), [&] {
+  reading([&] {
     const uint64_t lists = cell_lists(s.pages());
     prefetch_frames(channel, frames_of([&](const ChunkKey& key) { return channel.frames - lists + s.page_of(key) / kPagesPerList; }));
     prefetch_frames(channel, frames_of([&](const ChunkKey& key) { return cells_page(channel, s.page_of(key)); }));
@@ -327,7 +359,7 @@ void GridReader::read_stored(const ChunkKey& key, const ChunkEntry& e, Chunk& ou
     decoder.decode(frame, nu, nv, length, labels, out);
     if (key.level == 0 && out.sets.ids() != labels) throw FormatError("a cell of level 0 has one label, found a set of several (FORMAT.md 4.1)");
   } catch (const FormatError& error) {
-    throw FormatError(fmt::format("{}: {}: {}", name(), chunk_name(key), error.what()));
+    throw FormatError(noted(fmt::format("{}: {}, {}: {}", name(), chunk_name(key), cells_of(meta_, key), error.what())));
   }
 }
 
@@ -351,14 +383,20 @@ std::shared_ptr<const Chunk> GridReader::chunk(const ChunkKey& key, std::shared_
 }
 
 // Each chunk below is coarsened before they are joined: joining them first moves four times as many rays.
-void GridReader::derive(const ChunkKey& key, Chunk& out) const {
+void GridReader::derive(const ChunkKey& key, Chunk& out, bool damage) const {
   const LevelShape below = shape(key.level - 1);
   std::vector<Chunk> parts;
   std::vector<Piece> pieces;
   parts.reserve(8);
   Chunk fine;
   for (const ChunkKey& k : chunks_below(key, below)) {
-    read(k, fine);
+    try {
+      read(k, fine);
+    } catch (const FormatError&) {
+      if (!damage) throw;
+      fine.sets = SetTable(static_cast<uint32_t>(meta_.labels.size()));
+      fine.rays.fill(below.rays_u(k.cu), below.rays_v(k.cv), below.length(k.segment), fine.sets.intern({}));
+    }
     parts.push_back(coarsen(fine, 1));
     pieces.push_back({k.cu % 2 * below.chunk_rays / 2, k.cv % 2 * below.chunk_rays / 2, k.segment % 2 * below.chunk_cells / 2, &parts.back()});
   }

@@ -53,6 +53,8 @@ class GridReader {
   std::string cells_hash() const;
   std::string report() const;  // JSON that check_json() has passed
   void append_report(std::string& text) const;
+  // The first FormatError that reading has met since; empty: none so far.
+  std::string damage() const;
   int levels() const { return meta_.grid.levels(); }
   bool stored(int level) const;
   LevelShape shape(int level) const { return LevelShape(meta_, level); }
@@ -89,9 +91,13 @@ class GridReader {
   // The stored chunk that an entry describes.
   void read_stored(const ChunkKey& key, const ChunkEntry& entry, Chunk& out) const;
   // The chunk as the next lower level has it, even if it is stored. REQUIRES: the level is above 0.
-  void derive(const ChunkKey& key, Chunk& out) const;
+  // `damage`: what can't be read has a set without members; otherwise it is an error.
+  void derive(const ChunkKey& key, Chunk& out, bool damage = false) const;
 
  private:
+  template <class F>
+  auto reading(F&& f) const;
+  const std::string& noted(const std::string& fault) const;
   const LevelInfo& info(int level) const;
   void check_directory(const std::string& whose, uint64_t offset, uint64_t entries) const;
   std::shared_ptr<const IndexPart> cells_part(const Channel& channel, uint64_t frame, uint64_t owner,
@@ -112,6 +118,8 @@ class GridReader {
   Metadata meta_;
   mutable std::once_flag cells_hashed_;
   mutable std::string cells_hash_;
+  mutable std::mutex damage_mutex_;
+  mutable std::string damage_;
 };
 
 }  // namespace teracell::store

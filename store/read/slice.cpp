@@ -22,17 +22,21 @@
 namespace teracell::inline store {
 namespace {
 
-// The values of the sets of one chunk. Each is asked for once.
+// The values of the sets of one chunk. Each is asked for once. `unreadable`: that of a set without members.
 class Values {
  public:
-  Values(const SetTable& sets, const SetValue& value) : sets_(sets), value_(value) {}
+  Values(const SetTable& sets, const SetValue& value, std::optional<uint16_t> unreadable) : sets_(sets), value_(value), unreadable_(unreadable) {}
   uint16_t operator()(SetId set) {
-    return known_.get(set, [&] { return static_cast<uint16_t>(value_(sets_.members(set))); });
+    return known_.get(set, [&] {
+      const std::vector<Label> members = sets_.members(set);
+      return members.empty() ? unreadable_.value() : static_cast<uint16_t>(value_(members));
+    });
   }
 
  private:
   const SetTable& sets_;
   const SetValue& value_;
+  const std::optional<uint16_t> unreadable_;
   SetMemo<uint16_t> known_;
 };
 
@@ -85,7 +89,10 @@ struct Picture {
       return {std::nullopt, reader.chunk(key, scratch)};
     } catch (const FormatError&) {
       if (!unreadable) throw;
-      return {unreadable, nullptr};
+      if (reader.stored(key.level)) return {unreadable, nullptr};
+      const auto rest = std::make_shared<Chunk>();  // of its chunks below, those that can be read
+      reader.derive(key, *rest, true);
+      return {std::nullopt, rest};
     }
   }
   // The same for all of a small picture, in fewer round trips.
@@ -183,7 +190,7 @@ struct Picture {
     by_chunks(
         view.level, shape.chunk_rays, segment, [&](const Chunk& chunk, const Patch& p) __attribute__((noinline)) {
           const RayBlock& b = chunk.rays;
-          Values values(chunk.sets, value);
+          Values values(chunk.sets, value, unreadable);
           for (uint32_t v = p.v0; v < p.v1; ++v) {
             uint16_t* out = p.out + (v - p.v0) * p.stride;
             for (uint32_t ray = v * b.nu + p.u0; ray < v * b.nu + p.u1; ++ray) *out++ = values(b.sets(ray)[run_at(b.changes(ray), cell)]);
@@ -200,7 +207,7 @@ struct Picture {
     by_chunks(view.level - 1, below.chunk_rays / 2, segment, [&](const Chunk& chunk, const Patch& p) {
       const RayBlock& b = chunk.rays;
       SetTable sets = chunk.sets;  // unions get ids
-      Values values(sets, value);
+      Values values(sets, value, unreadable);
       const auto set_of = [&](uint32_t ray) {
         const auto changes = b.changes(ray);
         const auto of_ray = b.sets(ray);
@@ -241,7 +248,7 @@ struct Picture {
         continue;
       }
       const Chunk& chunk = *decoded;
-      Values values(chunk.sets, value);
+      Values values(chunk.sets, value, unreadable);
       for (int64_t i = from; i < to; ++i) {
         const auto r = static_cast<uint32_t>(i - first);
         const uint32_t ray = fixed_u ? r * chunk.rays.nu + fixed : fixed * chunk.rays.nu + r;

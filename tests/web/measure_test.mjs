@@ -168,7 +168,7 @@ test("handles change the box, its ends can be typed as lengths, and its cells ar
   const box = await state(page, "box");
   assert.deepEqual(box, [10, 12, 2, 105, 44, 12]);
   for (const ending of ["npy", "vtr"]) {
-    const [download] = await Promise.all([page.waitForEvent("download"), page.getByRole("link", { name: `Save as .${ending}` }).click()]);
+    const [download] = await Promise.all([page.waitForEvent("download"), page.getByRole("button", { name: `Save as .${ending}` }).click()]);
     const [got, expected] = [join(folder, `got.${ending}`), join(folder, `expected.${ending}`)];
     await download.saveAs(got);
     execFileSync(process.env.TERACELL, ["export", grid_file("graded"), "-o", expected, "--region", box.join(",")], { stdio: "ignore" });

@@ -80,8 +80,10 @@ function follow_address(): void {
   const only = grids.value?.length === 1 && unreadable.value.length === 0 ? grids.value[0]!.id : null;
   const id = grid_in_address() ?? only;
   const now = viewer.value;
-  if (id === null) close();
-  else if (now && now.info.id === id) {
+  if (id === null) {
+    close();
+    if (now) void look(); // it may have turned out to be damaged
+  } else if (now && now.info.id === id) {
     now.reset();
     read_address(now);
   } else void open(id);

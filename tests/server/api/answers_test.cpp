@@ -75,7 +75,9 @@ TEST_CASE("Answers that need a damaged chunk are 500; each is counted, there is 
   CHECK(status("/api/v1/grids/g/stats") == 200);
   CHECK(service.counters().damaged == 3);
   REQUIRE(complaints.size() == 1);
-  CHECK_THAT(complaints[0], Catch::StartsWith("g.tcell: level 0 chunk (0, 0, 0): its frame at byte "));  // the place is named once, without a folder
+  CHECK(json::parse(*handle(service, {.target = "/api/v1/grids"}).body)["grids"][0]["damage"] == complaints[0]);
+  CHECK_THAT(complaints[0], Catch::StartsWith("g.tcell: level 0 chunk (0, 0, 0), cells x 0 to ") &&
+                                Catch::Contains(": its frame at byte "));  // the place is named once, without a folder
 }
 
 // The set of each cell of a tile with sets.
@@ -97,23 +99,25 @@ std::vector<std::vector<uint16_t>> sets_of_cells(const std::string& tile, size_t
 }
 
 TEST_CASE("Of a damaged tile all is there but what can't be read, which has a set without members", "[server]") {
-  for (int ray_axis = 0; ray_axis < 3; ++ray_axis) {
+  for (int n = 0; n < 6; ++n) {
+    const int ray_axis = n % 3, level = n / 3;  // level 1 is derived
     Served s(ray_axis);
     const RayFrame rays = RayFrame::along(ray_axis);
     const Metadata& meta = s.service->grids().find("g")->meta();
     const auto entry = s.service->grids().find("g")->reader().entry({0, 0, 0, 0});
     const LevelShape shape(meta, 0);
     REQUIRE(entry->size > 0);
+    REQUIRE(!s.service->grids().find("g")->reader().stored(1));
     std::map<std::string, std::string> sound;
-    const auto targets = [](int axis) { return fmt::format("/api/v1/grids/g/tile/{}/0/0/0_0.bin?sets=1", axis_name(axis)); };
+    const auto targets = [&](int axis) { return fmt::format("/api/v1/grids/g/tile/{}/0/{}/0_0.bin?sets=1", axis_name(axis), level); };
     for (int axis = 0; axis < 3; ++axis) sound[targets(axis)] = *s.get(targets(axis)).body;
     damage(s.path, entry->offset + entry->size / 2);
     Service service({.named = {s.path}});
     for (int axis = 0; axis < 3; ++axis) {
       const RayFrame slice = RayFrame::along(axis);
-      const Index3 n = meta.grid.cells();
-      const auto width = static_cast<size_t>(std::min<int64_t>(n[slice.u], 512)),
-                 cells = width * static_cast<size_t>(std::min<int64_t>(n[slice.v], 512));
+      const Index3 size = meta.grid.cells(level);
+      const auto width = static_cast<size_t>(std::min<int64_t>(size[slice.u], 512)),
+                 cells = width * static_cast<size_t>(std::min<int64_t>(size[slice.v], 512));
       CHECK(handle(service, {.target = targets(axis)}).status == 500);
       const Response rest = handle(service, {.target = targets(axis) + "&damage=1"});
       REQUIRE(rest.status == 200);
@@ -122,7 +126,8 @@ TEST_CASE("Of a damaged tile all is there but what can't be read, which has a se
       for (size_t i = 0; i < cells; ++i) {
         Index3 cell;
         cell[axis] = 0, cell[slice.u] = static_cast<int64_t>(i % width), cell[slice.v] = static_cast<int64_t>(i / width);
-        const bool is_lost = cell[rays.u] < shape.chunk_rays && cell[rays.v] < shape.chunk_rays && cell[rays.w] < shape.chunk_cells;
+        const bool is_lost =
+            cell[rays.u] << level < shape.chunk_rays && cell[rays.v] << level < shape.chunk_rays && cell[rays.w] << level < shape.chunk_cells;
         lost += is_lost;
         wrong += is_lost ? !found[i].empty() : found[i] != expected[i];
       }

@@ -110,6 +110,7 @@ export interface GridSummary {
   units: string;
   modified: number | null; // seconds since 1970; null for a grid behind an address
   checked: boolean; // whether what `teracell check` has found is there
+  damage: string | null; // what answers have met first that can't be read
   protocols: { title: string; path: string }[]; // the addresses for other programs, below the server's base path
 }
 

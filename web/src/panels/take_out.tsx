@@ -3,15 +3,15 @@ import { save_blob } from "../base/download";
 import { bytes_text, grouped, product } from "../base/format";
 import { AXES, type Material } from "../base/grid";
 import { quoted } from "../base/shell";
-import { get, has_token, server_root } from "../server/api";
-import { is_read_here } from "../server/transport";
+import { get, has_token, list_grids, server_root } from "../server/api";
+import { answerer, is_read_here } from "../server/transport";
 import type { Box, Viewer } from "../state/viewer";
 import { CodeLine, CopyButton } from "../widgets/copy";
 import { Icon } from "../widgets/icons";
 import { use_task } from "../widgets/task";
 
 const MOST = 2n ** 32n; // cells that the server sends
-const MOST_HELD = 512n << 20n; // bytes that the page holds, where a token has to be sent or there is no server
+const MOST_HELD = 512n << 20n; // bytes that the page holds
 
 const FEW = 12; // materials that fit a comment
 
@@ -31,11 +31,23 @@ export const box_snippet = (address: string, numbers: string): string =>
     numbers,
   ].join("\n");
 
-// A link where the browser can fetch the file by itself; where a token has to go along, a button.
+// Where an answer has begun and then can't go on, it ends too early, without a reason. The list of grids may have it.
+async function cells_at(viewer: Viewer, address: string): Promise<Blob> {
+  const answer = await get(address);
+  try {
+    return await answer.blob();
+  } catch {
+    const { grids } = await list_grids();
+    const damaged = grids.some(({ id, damage }) => id === viewer.info.id && damage);
+    throw new Error(damaged ? "the file is damaged, and a part of the box can't be read" : `${answerer()} has ended its answer too early`);
+  }
+}
+
+// A button, which can say what is wrong. What is too large for the page is a link, where the browser can fetch it by itself.
 function SaveAs({ viewer, box, ending, held }: { viewer: Viewer; box: Box; ending: "npy" | "vti" | "vtr"; held: boolean }) {
   const address = viewer.address.box(ending, box);
   const name = `${viewer.info.id}-box.${ending}`;
-  const { busy, start } = use_task(async () => save_blob(await (await get(address)).blob(), name), "The box can't be saved");
+  const { busy, start } = use_task(async () => save_blob(await cells_at(viewer, address), name), "The box can't be saved");
   const text = (
     <>
       <Icon name="save" /> .{ending}
@@ -58,11 +70,12 @@ export function TakeOut({ viewer, box }: { viewer: Viewer; box: Box }) {
   const cells = product(AXES.map((d) => box[d + 3]! - box[d]));
   const bytes = cells * (viewer.info.materials.length > 256 ? 2n : 1n);
   const here = is_read_here(viewer.info.id);
-  const held = here || has_token();
+  const alone = !here && !has_token(); // whether the browser can fetch it by itself
+  const held = !alone || bytes <= MOST_HELD;
   const vtk = viewer.axes.some((axis) => axis.graded) ? "vtr" : "vti";
   const numbers = numbers_comment(viewer.info.materials, `${server_root()}/api/v1/grids/${encodeURIComponent(viewer.info.id)}`);
   const lines = box_snippet(`${server_root()}/${viewer.address.box("npy", box)}`, numbers);
-  const fits = cells <= MOST && (!held || bytes <= MOST_HELD);
+  const fits = cells <= MOST && (alone || bytes <= MOST_HELD);
   return (
     <section>
       <h3>Take the cells out</h3>
@@ -78,7 +91,7 @@ export function TakeOut({ viewer, box }: { viewer: Viewer; box: Box }) {
             <>
               <p class="note">
                 With Python, these lines fetch the box; they need <code>python3-numpy</code>
-                {held ? ", and a server that asks for no token." : "."}
+                {alone ? "." : ", and a server that asks for no token."}
               </p>
               <div class="code-line">
                 <pre>{lines}</pre>
@@ -90,7 +103,7 @@ export function TakeOut({ viewer, box }: { viewer: Viewer; box: Box }) {
       ) : (
         <>
           <p class="note">
-            {grouped(cells)} cells are more than {held ? "the page can hold" : "the server sends at once"}. On the machine that has the file:
+            {grouped(cells)} cells are more than {alone ? "the server sends at once" : "the page can hold"}. On the machine that has the file:
           </p>
           <CodeLine
             class="hash"

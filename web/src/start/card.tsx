@@ -135,8 +135,9 @@ export function Card({ grid }: { grid: GridSummary }) {
   const info = use_answer<GridInfo>(seen ? `api/v1/grids/${id}?v=${grid.hash}` : null).value;
   const cells = product(grid.cells);
   const damage = useSignal<string | null>(null);
+  const reason = grid.damage ?? damage.value;
   return (
-    <li class={damage.value ? "card damaged" : "card"} ref={element}>
+    <li class={reason ? "card damaged" : "card"} ref={element}>
       <a class="card-main" href={`#g=${id}`}>
         <Pictures grid={grid} info={info} wanted={seen} damage={damage} />
         <h2>{grid.name}</h2>
@@ -149,7 +150,7 @@ export function Card({ grid }: { grid: GridSummary }) {
           {grid.modified !== null && <span>{new Date(1000 * grid.modified).toLocaleDateString("en-GB", { dateStyle: "medium" })}</span>}
         </p>
         <Materials info={info} />
-        {damage.value ? <DamageLine reason={damage.value} /> : <CareLine grid={grid} info={info} wanted={seen} />}
+        {reason ? <DamageLine reason={reason} /> : <CareLine grid={grid} info={info} wanted={seen} />}
       </a>
       {!is_read_here(grid.id) && <Addresses grid={grid} />}
     </li>

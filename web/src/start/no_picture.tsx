@@ -8,5 +8,5 @@ export function NoPicture({ error, damage }: { error: unknown; damage: Signal<st
   useEffect(() => {
     if (is_damage(error)) damage.value ??= words_of(error);
   }, [error]);
-  return <span title={words_of(error)}>no picture</span>;
+  return <span title={words_of(error)}>{is_damage(error) ? "damaged" : "no picture"}</span>;
 }
