@@ -1,6 +1,6 @@
 // The frame of the page: what is open, what is wrong, and what floats above the rest.
+import { effect } from "@preact/signals";
 import { render } from "preact";
-import { useEffect } from "preact/hooks";
 import { Banners } from "./banners";
 import { ComparisonPage } from "./compare/comparison_page";
 import { Dock } from "./dock/dock";
@@ -23,8 +23,23 @@ import "./overview/overview.css"; // not with its module: the browser asks for t
 
 keep_theme();
 
-export function show(element: HTMLElement): void {
+const SOON = 200; // milliseconds
+
+// Resolves when it is known what there is to see, or when that takes longer than SOON.
+const known = (): Promise<void> =>
+  new Promise((done) => {
+    setTimeout(done, SOON);
+    effect(() => {
+      if (viewer.value || trouble.value || token_wanted.value || (grids.value && !opening.value)) done();
+    });
+  });
+
+// A grid that comes soon is what is shown first, without another page before it.
+export async function show(element: HTMLElement): Promise<void> {
   watch_drops();
+  watch_network();
+  void start_page();
+  await known();
   element.replaceChildren(); // what was said in case that this does not start
   render(<App />, element);
 }
@@ -41,10 +56,6 @@ function DropHere() {
 }
 
 function App() {
-  useEffect(() => {
-    watch_network();
-    void start_page();
-  }, []);
   const open = viewer.value;
   if (token_wanted.value) return <TokenForm />;
   return (

@@ -5,4 +5,4 @@ import { ask_ahead } from "./server/api";
 open_own_grids();
 ask_ahead();
 const { show } = await import("./app");
-show(document.getElementById("app")!);
+void show(document.getElementById("app")!);
