@@ -37,7 +37,6 @@ function rendered(grid, name, size, ...args) {
 }
 
 const CAMERAS = [
-  ["stadium", "whole", { azimuth: -122, elevation: 24, distance: 3.5, target: [0, 0, 15] }, []],
   ["stadium", "whole", { azimuth: 40, elevation: 5, distance: 0.5, target: [60, 50, 15] }, []],
   ["stadium", "cut", { azimuth: -70, elevation: 35, distance: 2, target: [0, 0, 15] }, ["open"]],
   ["stadium", "plane", { azimuth: -70, elevation: 35, distance: 2, target: [0, 0, 15] }, ["plane"]],

@@ -198,18 +198,23 @@ export function address_of(viewer: Viewer): string {
 // that ends this.
 export function keep_address(viewer: Viewer): () => void {
   let timer = 0;
-  const forget = () => clearTimeout(timer);
+  let here = location.href;
+  const arrive = () => void (here = location.href);
   const stop = effect(() => {
     const address = address_of(viewer);
-    forget();
-    timer = window.setTimeout(() => history.replaceState(null, "", address), 250);
+    clearTimeout(timer);
+    timer = window.setTimeout(() => {
+      // After "back" the browser is at another entry of its history before it says so by "hashchange". What was to be
+      // written into the entry that was left must not be written into that one, or the page would stay where it is.
+      if (location.href !== here) return;
+      history.replaceState(null, "", address);
+      arrive();
+    }, 250);
   });
-  // After "back" the browser is at another entry of its history before it says so by "hashchange". What was to be
-  // written into the entry that was left must not be written into that one, or the page would stay where it is.
-  addEventListener("popstate", forget);
+  addEventListener("hashchange", arrive);
   return () => {
-    forget();
-    removeEventListener("popstate", forget);
+    clearTimeout(timer);
+    removeEventListener("hashchange", arrive);
     stop();
   };
 }
