@@ -4,7 +4,7 @@
 import { batch, effect, signal } from "@preact/signals";
 import type { GridSummary, UnreadableFile } from "./base/grid";
 import { words_of } from "./base/messages";
-import { ServerError, drop_complaints, grid_info, list_grids, version_gone } from "./server/api";
+import { ServerError, drop_complaints, grid_info, list_grids, note_damage, version_gone } from "./server/api";
 import { connection, returned } from "./server/connection";
 import { is_alone } from "./server/transport";
 import { keep_ground } from "./state/ground";
@@ -106,6 +106,12 @@ export async function start_page(): Promise<void> {
     () => document.visibilityState === "visible" && connection.value.state === "there" && void (grids.value ? look() : look_again()),
     LOOK_EVERY,
   );
+  // What the list says of the open grid, the grid says as well.
+  effect(() => {
+    const open = viewer.value;
+    const damage = open && grids.value?.find((grid) => grid.id === open.info.id)?.damage;
+    if (damage) note_damage(open.info.id, damage);
+  });
   effect(() => {
     if (version_gone.value + returned.value > 0) void look_again();
   });

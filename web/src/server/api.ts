@@ -72,7 +72,9 @@ export const damaged_grids = signal<readonly string[]>([]); // the ids of those 
 const damage_text = (id: string) => `“${id}” is damaged: parts of it can't be read`;
 function say_damaged(path: string, message: string): void {
   const ids = ids_in(path);
-  const id = ids.find((one) => message.startsWith(`${one}.`)) ?? ids[0]!; // of two that are compared, the message names the file
+  note_damage(ids.find((one) => message.startsWith(`${one}.`)) ?? ids[0]!, message); // of two that are compared, the message names the file
+}
+export function note_damage(id: string, message: string): void {
   if (damaged_grids.peek().includes(id)) return;
   damaged_grids.value = [...damaged_grids.peek(), id];
   say(damage_text(id), { detail: message });

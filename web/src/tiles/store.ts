@@ -20,6 +20,7 @@ export interface Held {
   readonly name: string;
   readonly bytes: number; // that it takes in memory
   readonly damaged?: boolean; // it is what could be read of a damaged one
+  readonly unreadable?: number | null; // null: all of it could be read
 }
 
 export interface Source<T extends Held> {
@@ -166,7 +167,7 @@ export class TileStore<T extends Held> {
     this.flights.set(name, flight);
     const began = performance.now();
     try {
-      let damaged = false;
+      let is_rest = false;
       const load = async (address: string) => {
         const response = await this.fetch_tile(address, { signal: flight.abort.signal, priority: flight.ahead ? "low" : "high" });
         return response.arrayBuffer();
@@ -174,11 +175,12 @@ export class TileStore<T extends Held> {
       const buffer = await load(this.source.address(place)).catch((error: unknown) => {
         const rest = is_damage(error) ? this.source.what_is_left?.(place) : undefined;
         if (rest === undefined) throw error;
-        damaged = true;
+        is_rest = true;
         return load(rest);
       });
       if (this.closed || flight.abort.signal.aborted) return;
       const tile = this.source.decode(place, tile_size(place, this.cells), buffer);
+      const damaged = is_rest && tile.unreadable !== null; // else what can't be read is elsewhere in its chunks
       this.keep(damaged ? { ...tile, damaged } : tile);
       this.failures.delete(name);
       if (damaged) this.failures.set(name, { count: 1, until: performance.now() + this.limits.retry_most_ms, damaged });

@@ -14,7 +14,7 @@ export interface Tile {
   readonly sets: Uint32Array; // numbers in the SetTable
   readonly owners: Uint32Array; // the same, as they are without the shares of mixed cells
   readonly labels: Uint8Array | Uint16Array | null; // places in `sets`; null when sets[0] is everywhere
-  readonly unreadable?: number | null; // the one of `sets` that stands for what can't be read, if there is one
+  readonly unreadable?: number | null; // the one of `sets` that stands for what can't be read, if a cell has it
   readonly damaged?: boolean; // as of all that a store holds
   readonly apart: boolean; // false: too many bodies are in sight here, so each label stands for all bodies of its material
   readonly bytes: number; // that it holds in memory
@@ -63,7 +63,7 @@ export function decode_tile(place: Place, size: readonly [number, number], buffe
   const { sets, labels, flags, bytes } = decode_sets(`tile ${name}`, size, buffer, table);
   const owners = sets.map((set) => table.owner(set));
   const place_of = sets.findIndex((set) => table.members(set)?.length === 0);
-  const unreadable = place_of < 0 ? null : sets[place_of]!;
+  const unreadable = place_of < 0 || labels?.includes(place_of) === false ? null : sets[place_of]!;
   return { place, name, width: size[0], height: size[1], sets, owners, labels, unreadable, apart: (flags & NOT_APART) === 0, bytes: OVERHEAD + bytes };
 }
 

@@ -2,8 +2,9 @@
 // scale bar.
 import type { Axis } from "../base/axis";
 import { coordinate } from "../base/format";
-import { AXIS_NAMES, type AxisIndex } from "../base/grid";
+import { AXES, AXIS_NAMES, type AxisIndex } from "../base/grid";
 import { length_text, round_length } from "../base/lengths";
+import { extent_in } from "./drawing/box_handles";
 import type { Pen } from "./drawing/pen";
 
 const LINES_FROM = 7; // CSS pixels: smaller cells get no lines
@@ -115,7 +116,7 @@ function draw_name({ context, ink }: Pen, text: string, y: number, color: string
 
 const GAP = 7; // CSS pixels around the cell, so that it stays visible
 
-// Each line shows where another view cuts, in the colour of that view.
+// Each line shows where another view cuts, in the colour of that view. A thin box that they meet in stays visible, too.
 export function draw_crosshair(pen: Pen): void {
   const { camera, frame, ink, viewer } = pen;
   const cell = viewer.cell.value;
@@ -123,14 +124,18 @@ export function draw_crosshair(pen: Pen): void {
   const [x, y] = [pen.crisp(camera.x_of(at(frame.u))), pen.crisp(camera.y_of(at(frame.v)))];
   const size = (axis: Axis, i: number) => ((axis.plane(i + 1) - axis.plane(i)) * camera.zoom) / 2;
   const [gap_x, gap_y] = [Math.max(GAP, size(camera.across, cell[frame.u]) + 2), Math.max(GAP, size(camera.up, cell[frame.v]) + 2)];
+  const box = viewer.box.value;
+  const around = box && AXES.every((d) => cell[d] >= box[d] && cell[d] < box[d + 3]!) ? pen.line_around(extent_in(frame, box)) : null;
+  const held = around?.clear ? around : { left: x, right: x, top: y, bottom: y };
+  const [left, right, top, bottom] = [Math.min(x - gap_x, held.left), Math.max(x + gap_x, held.right), Math.min(y - gap_y, held.top), Math.max(y + gap_y, held.bottom)];
   const line = (points: [number, number][], color: string) => pen.path(points, color, { width: 2 });
   if (x >= 0 && x <= camera.width) {
-    if (y > gap_y) line([[x, 0], [x, Math.min(y - gap_y, camera.height)]], ink.axes[frame.u]);
-    if (y + gap_y < camera.height) line([[x, Math.max(y + gap_y, 0)], [x, camera.height]], ink.axes[frame.u]);
+    if (top > 0) line([[x, 0], [x, Math.min(top, camera.height)]], ink.axes[frame.u]);
+    if (bottom < camera.height) line([[x, Math.max(bottom, 0)], [x, camera.height]], ink.axes[frame.u]);
   }
   if (y >= 0 && y <= camera.height) {
-    if (x > gap_x) line([[0, y], [Math.min(x - gap_x, camera.width), y]], ink.axes[frame.v]);
-    if (x + gap_x < camera.width) line([[Math.max(x + gap_x, 0), y], [camera.width, y]], ink.axes[frame.v]);
+    if (left > 0) line([[0, y], [Math.min(left, camera.width), y]], ink.axes[frame.v]);
+    if (right < camera.width) line([[Math.max(right, 0), y], [camera.width, y]], ink.axes[frame.v]);
   }
 }
 

@@ -71,7 +71,7 @@ export function draw_box(pen: Pen, box: Box | null): void {
   const { frame, axis, viewer } = pen;
   const slice = viewer.cell.value[axis];
   const here = slice >= box[axis] && slice < box[axis + 3]!;
-  pen.cells(extent_in(frame, box), pen.ink.accent, { width: 2, dash: here ? [] : ELSEWHERE });
+  pen.rectangle(pen.line_around(extent_in(frame, box)), pen.ink.accent, { width: 2, dash: here ? [] : ELSEWHERE });
   for (const { x, y } of handles_of(pen.camera, frame, box)) pen.handle(x, y);
   const { camera } = pen;
   const sizes = [frame.u, frame.v].map((d) => length_text(viewer.axes[d]!.plane(box[d + 3]!) - viewer.axes[d]!.plane(box[d]!), viewer.info.units, 4));
@@ -128,7 +128,7 @@ export function draw_found(pen: Pen): void {
   const box = pen.viewer.isolated.value?.box;
   if (!box) return;
   const slice = pen.viewer.cell.value[pen.axis];
-  pen.cells(extent_in(pen.frame, box), pen.ink.marker, { width: 2, dash: slice >= box[pen.axis] && slice < box[pen.axis + 3]! ? [] : ELSEWHERE });
+  pen.rectangle(pen.line_around(extent_in(pen.frame, box)), pen.ink.marker, { width: 2, dash: slice >= box[pen.axis] && slice < box[pen.axis + 3]! ? [] : ELSEWHERE });
 }
 
 // The worst comes first. A marker very near to an earlier one is left out, and so is a label that would lie over an earlier one or be cut.

@@ -9,6 +9,16 @@ import type { Ink } from "./ink";
 
 export const FONT = "12px system-ui, sans-serif";
 
+const THIN = 16; // CSS pixels
+const ROOM = 6;
+
+interface Rectangle {
+  readonly left: number;
+  readonly right: number;
+  readonly top: number;
+  readonly bottom: number;
+}
+
 // What one overlay is drawn with, in CSS pixels.
 export class Pen {
   readonly frame: Frame;
@@ -50,7 +60,18 @@ export class Pen {
 
   // A rectangle of cells of level 0, half open.
   cells(extent: Extent, color: string, options: { width?: number; dash?: number[] } = {}): void {
+    this.rectangle(this.camera.place_of(extent), color, options);
+  }
+
+  // Where the line around a box is: clear of its cells where these are so thin that it would hide them.
+  line_around(extent: Extent): Rectangle & { clear: boolean } {
     const { left, right, top, bottom } = this.camera.place_of(extent);
+    const clear = Math.min(right - left, bottom - top) < THIN;
+    const room = clear ? ROOM : 0;
+    return { left: left - room, right: right + room, top: top - room, bottom: bottom + room, clear };
+  }
+
+  rectangle({ left, right, top, bottom }: Rectangle, color: string, options: { width?: number; dash?: number[] } = {}): void {
     // Clipped here, because a dashed line that reaches far outside the canvas costs time.
     const clip = (x: number, most: number) => Math.min(Math.max(this.crisp(x), -16), most + 16);
     const [l, r] = [clip(left, this.camera.width), clip(right, this.camera.width)];
