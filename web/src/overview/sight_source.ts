@@ -30,6 +30,7 @@ export class SightSource {
   private quick_key = ""; // of the newest quick picture
   private sharp_key = ""; // of the sharp picture that is there or comes
   private quick_runs = false;
+  private at_rest = true;
   private quick_pixels = 80_000;
   private sharp_abort: AbortController | null = null;
   private kept: { quick: { frame: Frame; layers: readonly Sights[] } | null; sharp: { frame: Frame; parts: { at: Part; layers: readonly Sights[] }[]; whole: boolean } | null } = {
@@ -51,6 +52,7 @@ export class SightSource {
 
   want(aim: Aim, at_rest: boolean): void {
     this.aim = aim;
+    this.at_rest = at_rest;
     const key = this.key_of(aim);
     if (this.sharp_abort && (!at_rest || key !== this.sharp_key)) this.call_off();
     if (key !== this.quick_key) void this.ask_quick();
@@ -102,7 +104,9 @@ export class SightSource {
     }
     this.quick_runs = false;
     this.quick_key = key; // also after an error, which is not to be repeated for ever
-    if (frame) this.events.quick(frame);
+    if (!frame) return;
+    this.want(this.aim, this.at_rest); // what comes next is on its way while this is drawn
+    this.events.quick(frame);
   }
 
   private call_off(): void {
