@@ -3,6 +3,7 @@ import { useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import { words_of } from "../base/messages";
 import type { Viewer } from "../state/viewer";
+import { use_stats } from "../visits/amounts";
 import { toggle_layout } from "./actions";
 import { MaximiseButton } from "./maximise_button";
 import { activating } from "./panel";
@@ -26,6 +27,7 @@ export function OverviewPanel({ stage, viewer, side, title, against, cut_by }: O
   const wanted = useSignal(shown);
   if (shown) wanted.value = true; // once loaded it stays, even while it is hidden
   const due = wanted.value && viewer.slices_shown.value;
+  use_stats(viewer, viewer.bodies.value === "glass"); // glass shows small bodies solid
   useEffect(() => {
     if (!due) return;
     let gone = false;
