@@ -22,13 +22,13 @@ DryRun dry_run(const Scene& scene, const MeshOptions& options, const Progress& p
   out.read_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
   out.plan = make_plan(scene, bodies, options.axis, options.chunk_rays, options.fractions, options.links);
   out.facets = bodies.facet_count();
-  // Measured on two cores of 2.6 GHz with surfaces of some million facets: 50 ns for each crossing, 5 ns for each ray, 1.5 bits for each crossing.
+  // Measured on two cores of 2.6 GHz with surfaces of some million facets: 50 ns for each crossing, 5 ns for each ray, 1.1 bits for each crossing.
   const Grid& grid = out.plan.meta.grid;
   const RayFrame f = out.plan.meta.frame();
   const double rays = static_cast<double>(grid.axis[f.u].cells()) * static_cast<double>(grid.axis[f.v].cells());
   const double crossings = out.plan.rays.crossings[f.w];
   out.seconds = (50e-9 * crossings + 5e-9 * rays) / threads;
-  out.file_bytes = 1.5 / 8 * crossings + 2000;
+  out.file_bytes = 1.1 / 8 * crossings + 2000;
   const double facets = 160 * static_cast<double>(out.facets);
   out.memory_bytes = std::min(12e6 + 4e6 * threads + facets, static_cast<double>(options.memory));
   return out;

@@ -198,7 +198,7 @@ Bytes encode_header() {
   return out;
 }
 
-uint16_t check_header(std::span<const uint8_t> bytes) {
+std::pair<uint16_t, uint16_t> check_header(std::span<const uint8_t> bytes) {
   ByteReader in(bytes, "header", "5.1");
   if (bytes.size() < kHeaderBytes || !std::equal(kHeaderMagic, kHeaderMagic + 8, bytes.begin() + 8))
     throw FormatError(bytes.size() >= kPartMagic.size() && std::equal(kPartMagic.begin(), kPartMagic.end(), bytes.begin())
@@ -211,11 +211,12 @@ uint16_t check_header(std::span<const uint8_t> bytes) {
   const auto expected = in.fixed<uint64_t>(), found = checksum(bytes.first(kHeaderBytes - 8));
   if (found != expected)
     throw FormatError(fmt::format("header: expected checksum {:016x}, found {:016x}: the file is damaged (FORMAT.md 5.1)", expected, found));
-  if (major != kFormatMajor)
-    throw FormatError(fmt::format("the file has format version {}.{}, this program reads {}.x: {} (FORMAT.md 5.2)", major, minor, kFormatMajor,
+  if (major < kOldestMajor || major > kFormatMajor)
+    throw FormatError(fmt::format("the file has format version {}.{}, this program reads {}.x to {}.x: {} (FORMAT.md 5.2)", major, minor,
+                                  kOldestMajor, kFormatMajor,
                                   major > kFormatMajor ? "use a newer teracell" : "mesh the surfaces again, or use an older teracell"));
   if (reserved != 0) throw FormatError("header: reserved bits are set (FORMAT.md 5.1)");
-  return minor;
+  return {major, minor};
 }
 
 Bytes encode_footer(const Footer& footer) {

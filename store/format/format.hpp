@@ -15,7 +15,7 @@
 
 namespace teracell::inline store {
 
-inline constexpr uint16_t kFormatMajor = 2, kFormatMinor = 1;
+inline constexpr uint16_t kFormatMajor = 3, kFormatMinor = 0, kOldestMajor = 2;  // what is written, and the oldest that is read
 
 uint64_t checksum(std::span<const uint8_t> bytes);  // XXH3, 64 bits, seed 0
 std::string compressor_version();                   // another version may compress to other bytes
@@ -80,7 +80,7 @@ void check_directory_frame(std::span<const uint8_t> eight_bytes, uint64_t entrie
 
 inline constexpr uint64_t kHeaderBytes = 32, kFooterBytes = 128;
 Bytes encode_header();
-uint16_t check_header(std::span<const uint8_t> bytes);  // returns the minor version; the major one is kFormatMajor
+std::pair<uint16_t, uint16_t> check_header(std::span<const uint8_t> bytes);  // returns the major and the minor version
 
 struct Footer {
   uint64_t file_bytes = 0;

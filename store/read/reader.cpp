@@ -62,7 +62,7 @@ GridReader::GridReader(std::unique_ptr<ByteSource> source, std::shared_ptr<Chunk
           fmt::format("expected at least {} bytes, found {}: not a teracell file, or cut short (FORMAT.md 2.1)", kHeaderBytes + kFooterBytes, size));
     Bytes bytes(kHeaderBytes);
     source_->read(0, bytes);
-    minor_ = check_header(bytes);
+    version_ = check_header(bytes);
     bytes.resize(kFooterBytes);
     source_->read(size - kFooterBytes, bytes);
     footer_ = decode_footer(bytes);

@@ -46,7 +46,7 @@ class GridReader {
   const Metadata& meta() const { return meta_; }
   const std::string& name() const { return source_->name(); }
   uint64_t file_bytes() const { return source_->size(); }
-  std::string version() const { return std::to_string(kFormatMajor) + "." + std::to_string(minor_); }  // of the file's format
+  std::string version() const { return std::to_string(version_.first) + "." + std::to_string(version_.second); }  // of the file's format
   std::string hash() const;    // of the content, 32 hex digits
   // The same for all files with these chunks of level 0, this report and these names, wherever their frames lie. Asked for the first time, it reads
   // the index of level 0.
@@ -113,7 +113,7 @@ class GridReader {
   std::shared_ptr<IndexCache> index_;
   const uint64_t number_;  // among the readers of index_
   mutable FrameClaims claims_;
-  uint16_t minor_ = 0;
+  std::pair<uint16_t, uint16_t> version_;
   Footer footer_;
   Metadata meta_;
   mutable std::once_flag cells_hashed_;

@@ -12,6 +12,20 @@ BOX = solids.binary_stl(solids.box_facets((0.0, 0.0, 0.0), (4.0, 3.0, 2.0)))
 SLICE = ["slice", "d.tcell", "--axis", "z", "--index", 11, "-o", "s.npy"]
 
 
+OLD = os.path.join(os.path.dirname(os.path.abspath(__file__)), "format-2.1.tcell")  # `sample stadium` with --cells 100
+
+
+class OldFiles(Case):
+    def test_a_file_of_format_2_has_the_cells_of_one_that_is_made_today_and_is_packed_as_it_is(self):
+        self.run_ok("sample", "stadium", "-o", "stadium")
+        self.run_ok("mesh", "stadium/scene.json", "--cells", 100, "-o", "new.tcell")
+        self.run_ok("pack", OLD, "-o", "packed.tcell")
+        self.assertEqual([self.json_of("info", file)["file"]["version"] for file in (OLD, "new.tcell", "packed.tcell")], ["2.1", "3.0", "3.0"])
+        for file in (OLD, "packed.tcell"):
+            self.assertIn("sound", self.run_ok("verify", file).out)
+            self.assertIn("the grids are equal", self.run_ok("diff", file, "new.tcell").out)
+
+
 class Damage(Case):
     def setUp(self):
         super().setUp()

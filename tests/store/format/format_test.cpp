@@ -50,14 +50,16 @@ TEST_CASE("A header cut short or with any bit flipped is refused") {
   expect_every_flip_refused(encode_header(), check_header);
 }
 
-TEST_CASE("A newer minor version is read, a newer major one is refused and named") {
+TEST_CASE("A newer minor version and the major one before are read, other ones are refused and named") {
   Bytes minor = encode_header(), major = encode_header();
   minor[18] = 0xFF, minor[19] = 0xFF;
-  REQUIRE(check_header(signed_again(minor, 24)) == 0xFFFF);
-  major[16] = 3;
-  REQUIRE_THROWS_WITH(check_header(signed_again(major, 24)), Catch::Contains("3.1") && Catch::Contains("newer"));
-  major[16] = 0;
-  REQUIRE_THROWS_WITH(check_header(signed_again(major, 24)), Catch::Contains("0.1"));
+  REQUIRE(check_header(signed_again(minor, 24)) == std::pair<uint16_t, uint16_t>(3, 0xFFFF));
+  major[16] = 2;
+  REQUIRE(check_header(signed_again(major, 24)) == std::pair<uint16_t, uint16_t>(2, 0));
+  major[16] = 4;
+  REQUIRE_THROWS_WITH(check_header(signed_again(major, 24)), Catch::Contains("4.0") && Catch::Contains("newer"));
+  major[16] = 1;
+  REQUIRE_THROWS_WITH(check_header(signed_again(major, 24)), Catch::Contains("1.0") && Catch::Contains("older"));
 }
 
 TEST_CASE("Reserved bits of the header are refused one by one") {

@@ -4,6 +4,7 @@
 #include <sys/resource.h>
 
 #include "store/format/format.hpp"
+#include "store/runs/chunk_walk.hpp"
 #include "tests/support/blocks.hpp"
 #include "tests/support/test.hpp"
 
@@ -54,7 +55,48 @@ Bytes frame_of(const std::vector<uint64_t>& numbers) {
   return encode_text({body.begin(), body.end()});
 }
 
-// The body of 2 x 1 rays of 8 cells with labels below 3: 0 | 1 from cell 3 on, then the same from cell 5 on.
+// The body of a chunk as format 2 has it (FORMAT.md 11.7). All sets of the table are in the palette.
+Bytes before_groups(const Chunk& chunk) {
+  const RayBlock& b = chunk.rays;
+  Bytes body, gaps, exceptions, narrow, wide;
+  put_varint(body, chunk.sets.ids());
+  for (SetId set = 0; set < chunk.sets.ids(); ++set) put_set(body, chunk.sets.members(set));
+  put_varint(body, b.patterns.size());
+  for (uint32_t p = 0; p < b.patterns.size(); ++p) {
+    put_varint(body, b.patterns.changes(p));
+    for (const SetId set : b.patterns.sets(p)) put_varint(body, set);
+  }
+  uint64_t count = 0;
+  for (uint32_t ray = 0, next = 0; ray < b.rays(); ++ray)
+    if (b.pattern[ray] != expected_pattern(b.pattern, b.nu, ray % b.nu, ray / b.nu)) {
+      put_varint(gaps, ray - next), put_varint(exceptions, b.pattern[ray]);
+      next = ray + 1, ++count;
+    }
+  const auto put_wide = [&](uint32_t difference) { put_varint(wide, zigzag(static_cast<int32_t>(difference))); };
+  walk(
+      b,
+      [&](uint32_t ray, From from) {
+        for (uint32_t i = 0; i < b.changes(ray).size(); ++i) {
+          const uint32_t at = b.changes(ray)[i];
+          if (from == From::kNothing) put_varint(wide, at - (i == 0 ? 0 : b.changes(ray)[i - 1]) - 1);
+          else put_wide(at - b.changes(from == From::kUp ? ray - b.nu : ray - 1)[i]);
+        }
+      },
+      [&](uint32_t from, uint32_t to) {
+        for (uint32_t ray = from; ray < to; ++ray)
+          for (uint32_t i = 0; i < b.changes(ray).size(); ++i) {
+            const uint32_t plane = b.changes(ray - 1)[i] + b.changes(ray - b.nu)[i] - b.changes(ray - b.nu - 1)[i];
+            const uint32_t residual = zigzag(static_cast<int32_t>(b.changes(ray)[i] - plane));
+            narrow.push_back(static_cast<uint8_t>(std::min(residual, 255u)));
+            if (residual >= 255) put_varint(wide, residual - 255);
+          }
+      });
+  put_varint(body, count);
+  for (const Bytes* part : {&gaps, &exceptions, &narrow, &wide}) body.insert(body.end(), part->begin(), part->end());
+  return encode_text({body.begin(), body.end()});
+}
+
+// The body of 2 x 1 rays of 8 cells with labels below 3: 0 | 1 from cell 3 on, then the same from cell 5 on. As format 2 has it.
 struct HandMade {
   std::vector<uint64_t> palette = {2, 1, 0, 1, 1};  // two sets: {0}, {1}
   std::vector<uint64_t> patterns = {1, 1, 0, 1};    // one pattern with one change: set 0, set 1
@@ -94,6 +136,17 @@ TEST_CASE("Random blocks of every kind and shape come back as they were") {
       expect_round_trip(random_chunk(random, kind, s.nu, s.nv, s.length, s.labels));
     }
   }
+}
+
+TEST_CASE("Chunks of format 2 are read") {
+  std::mt19937_64 random(11);
+  for (const BlockKind kind : kAllKinds)
+    for (const uint32_t length : {60u, (1u << 31) - 2}) {
+      if (length > 60 && (kind == BlockKind::kNoise || kind == BlockKind::kSets)) continue;
+      const Chunk chunk = random_chunk(random, kind, 40, 20, length, 5);
+      INFO("kind " << static_cast<int>(kind) << ", rays of " << length << " cells");
+      REQUIRE(same_runs(decoded(before_groups(chunk), {40, 20, length, 5}), chunk));
+    }
 }
 
 TEST_CASE("The largest chunk, 256 x 256 rays, comes back as it was") {
@@ -261,6 +314,24 @@ TEST_CASE("Numbers in a chunk that lie are refused") {
   refused("a change before the ray", [](HandMade& b) { b.changes = {2, 5}; });
   refused("a change missing", [](HandMade& b) { b.changes = {2}; });
   refused("a number too many", [](HandMade& b) { b.changes = {2, 4, 0}; });
+}
+
+TEST_CASE("A group of residuals may be spelled, and one that lies is refused") {
+  // 2 x 2 rays: the first changes at cell 10, the next two are like it, and the last is planar.
+  const auto last_of = [](const Bytes& groups_and_spelled, const Bytes& wide = {9, 0, 0}) {
+    Bytes body = {0, 2, 1, 0, 1, 1, 1, 1, 0, 1, 0};
+    for (const Bytes* part : {&groups_and_spelled, &wide}) body.insert(body.end(), part->begin(), part->end());
+    return decoded(encode_text({body.begin(), body.end()}), {2, 2, 1000, 3}).rays.at.back();
+  };
+  REQUIRE(last_of({0}) == 10);
+  REQUIRE(last_of({1}) == 9);
+  REQUIRE(last_of({2}) == 11);
+  REQUIRE(last_of({243, 2, 0, 0, 0, 0}) == 11);
+  REQUIRE(last_of({243, 254, 0, 0, 0, 0}) == 137);
+  REQUIRE(last_of({243, 255, 0, 0, 0, 0}, {9, 0, 0, 1}) == 138);
+  for (const Bytes& lies :
+       {Bytes{244}, Bytes{255}, Bytes{3}, Bytes{243, 0, 0, 0, 0, 1}, Bytes{243, 0}, Bytes{243, 255, 0, 0, 0, 0}, Bytes{}, Bytes{0, 0}})
+    REQUIRE_THROWS_AS(last_of(lies), FormatError);
 }
 
 TEST_CASE("A frame that claims more than its bytes can hold is refused without memory for the claim") {
