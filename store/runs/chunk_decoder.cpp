@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <bit>
+#include <cstring>
 
 #include <fmt/format.h>
 
@@ -10,6 +12,7 @@ struct ChunkDecoder::Scratch {
   ZstdDecoder zstd;
   Bytes body;
   std::vector<SetId> palette, sets;
+  std::vector<Stretch> stretches;
 };
 
 ChunkDecoder::ChunkDecoder() : s_(std::make_unique<Scratch>()) {}
@@ -35,6 +38,8 @@ void decode_patterns(ByteReader& in, RayBlock& b, const std::vector<SetId>& pale
 }
 
 // The loops that take time are functions of their own: browsers compile one function after the other, and small ones soon (web/module).
+//
+// Most rays have the pattern of the ray above, and then their changes lie where the changes of that row lie, by so many later.
 [[gnu::noinline]] void decode_pattern_of_rays(ByteReader& in, RayBlock& b) {
   const uint64_t count = in.varint(0, std::min<uint64_t>(b.rays(), in.remaining() / 2), "exceptions");
   std::vector<std::pair<uint32_t, uint32_t>> exceptions(count);  // ray, pattern
@@ -45,62 +50,158 @@ void decode_patterns(ByteReader& in, RayBlock& b, const std::vector<SetId>& pale
     ray = static_cast<uint32_t>(next++);
   }
   for (auto& [ray, pattern] : exceptions) pattern = static_cast<uint32_t>(in.varint(0, b.patterns.size() - 1, "pattern"));
+  exceptions.emplace_back(b.rays(), 0);
 
   b.pattern.resize(b.rays());
   b.begin.resize(b.rays() + 1);
   uint64_t changes = 0;
   auto exception = exceptions.begin();
   for (uint32_t v = 0, ray = 0; v < b.nv; ++v) {
-    for (uint32_t u = 0; u < b.nu; ++u, ++ray) {
-      b.begin[ray] = static_cast<uint32_t>(changes);
-      if (exception != exceptions.end() && exception->first == ray) b.pattern[ray] = exception++->second;
-      else b.pattern[ray] = expected_pattern(b.pattern, b.nu, u, v);
-      changes += b.patterns.changes(b.pattern[ray]);
+    const uint32_t end = ray + b.nu;
+    while (ray < end) {
+      const uint32_t u = ray - v * b.nu, stop = std::min(exception->first, end);
+      if (ray < stop && v > 0 && (u == 0 || b.pattern[ray - 1] == b.pattern[ray - b.nu - 1])) {
+        const uint32_t above = ray - b.nu, later = static_cast<uint32_t>(changes) - b.begin[above];
+        std::copy_n(&b.pattern[above], stop - ray, &b.pattern[ray]);
+        for (uint32_t i = 0; i < stop - ray; ++i) b.begin[ray + i] = b.begin[above + i] + later;
+        changes += b.begin[stop - b.nu] - b.begin[above];
+        ray = stop;
+      } else {
+        b.pattern[ray] = ray == exception->first ? exception++->second : expected_pattern(b.pattern, b.nu, u, v);
+        b.begin[ray] = static_cast<uint32_t>(changes);
+        changes += b.patterns.changes(b.pattern[ray++]);
+      }
       if (changes > in.remaining()) in.fail("the rays have more changes than the chunk has bytes");  // also keeps 32 bits
     }
   }
   b.begin[b.rays()] = static_cast<uint32_t>(changes);
 }
 
-[[gnu::noinline]] void decode_changes(ByteReader& in, RayBlock& b) {
+using Four = uint32_t __attribute__((vector_size(16)));
+using FourFlags = int32_t __attribute__((vector_size(16)));  // 0 or -1
+
+Four four(const uint32_t* from) {
+  Four out;
+  std::memcpy(&out, from, sizeof out);
+  return out;
+}
+
+Four four(const uint8_t* from) {
+  uint32_t bytes;
+  std::memcpy(&bytes, from, sizeof bytes);
+  // GCC moves byte after byte for __builtin_convertvector.
+  using Sixteen = uint8_t __attribute__((vector_size(16)));
+  using Eight = uint16_t __attribute__((vector_size(16)));
+  constexpr Sixteen kZero{};
+  const auto wide = (Sixteen)Four{bytes};
+  if constexpr (std::endian::native == std::endian::big) return Four{wide[0], wide[1], wide[2], wide[3]};
+  const auto wider = (Eight)__builtin_shufflevector(wide, kZero, 0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23);
+  return (Four)__builtin_shufflevector(wider, (Eight)kZero, 0, 8, 1, 9, 2, 10, 3, 11);
+}
+
+// The sums of four residuals, one after another, and of those before them, of rays with N changes: each adds to that of the same change of the
+// ray before.
+template <uint32_t N>
+Four summed(Four sum, const Four& before) {
+  constexpr Four kNone{};
+  if constexpr (N == 1) sum += __builtin_shufflevector(kNone, sum, 0, 4, 5, 6);
+  if constexpr (N <= 2) sum += __builtin_shufflevector(kNone, sum, 0, 1, 4, 5);
+  if constexpr (N == 3) sum += __builtin_shufflevector(kNone, sum, 0, 1, 2, 4);
+  return sum + __builtin_shufflevector(before, before, 4 - N, 4 - N + 1 % N, 4 - N + 2 % N, 4 - N + 3 % N);
+}
+
+// The narrow residuals of a stretch of rays that the plane predicts.
+struct Plane {
+  ByteReader& wide;
+  const uint8_t* narrow;
+  const uint32_t* up;  // the changes of the rays above
+  uint32_t* at;
+  uint32_t size;
+
+  uint32_t residual(uint32_t r) const { return unzigzag(r < kEscape ? r : r + static_cast<uint32_t>(wide.varint(0, ~0u - kEscape, "residual"))); }
+  void decode(uint32_t n) const {
+    switch (n) {
+      case 1: return by_fours<1>();
+      case 2: return by_fours<2>();
+      case 3: return by_fours<3>();
+      case 4: return by_fours<4>();
+      default: return one_by_one(n, 0);
+    }
+  }
+  void one_by_one(uint32_t n, uint32_t from) const {
+    for (uint32_t i = from; i < size; ++i) at[i] = (at - n)[i] + up[i] - (up - n)[i] + residual(narrow[i]);
+  }
+  // A change lies behind the one above it by as much as that of the ray before does, plus its residual.
+  template <uint32_t N>
+  void by_fours() const {
+    Four behind{};
+    for (uint32_t k = 0; k < N; ++k) behind[4 - N + k] = (at - N)[k] - (up - N)[k];
+    uint32_t i = 0;
+    for (; i + 4 <= size; i += 4) {
+      Four r = four(narrow + i);
+      uint32_t bytes;
+      std::memcpy(&bytes, narrow + i, sizeof bytes);
+      if ((bytes & 0x80808080) == 0) r = (r >> 1) ^ -(r & 1);
+      else
+        for (uint32_t k = 0; k < 4; ++k) r[k] = residual(r[k]);
+      behind = summed<N>(r, behind);
+      const Four changes = four(up + i) + behind;
+      std::memcpy(at + i, &changes, sizeof changes);
+    }
+    one_by_one(N, i);
+  }
+};
+
+// Whether the changes of each ray ascend in (0, length).
+[[gnu::noinline]] bool is_valid(const RayBlock& b) {
+  const std::span<const uint32_t> at = b.at;
+  const auto is_outside = [&](auto change) { return change - 1 >= b.length - 1; };  // 0 - 1 is the largest number
+  // Descents are counted in one go; then those where a ray begins, which may be, are taken off.
+  bool outside = !at.empty() && is_outside(at[0]);
+  uint32_t descents = 0;
+  FourFlags four_outside{}, four_descents{};
+  size_t i = 1;
+  for (; i + 4 <= at.size(); i += 4) {
+    const Four here = four(&at[i]);
+    four_outside |= is_outside(here);
+    four_descents += here <= four(&at[i - 1]);
+  }
+  for (; i < at.size(); ++i) outside |= is_outside(at[i]), descents += at[i] <= at[i - 1];
+  for (uint32_t k = 0; k < 4; ++k) outside |= four_outside[k] != 0, descents -= static_cast<uint32_t>(four_descents[k]);
+  for (uint32_t ray = 1; ray < b.rays(); ++ray)
+    if (const uint32_t first = b.begin[ray]; first != b.begin[ray + 1] && first != 0) descents -= at[first] <= at[first - 1];
+  return !outside && descents == 0;
+}
+
+[[gnu::noinline]] void decode_changes(ByteReader& in, RayBlock& b, std::vector<Stretch>& stretches) {
   b.at.resize(b.begin.back());
   uint64_t planar = 0;
+  stretches.clear();
   walk(
-      b, [](uint32_t, From) {}, [&](uint32_t from, uint32_t to) { planar += b.begin[to] - b.begin[from]; });
+      b,
+      [&](uint32_t ray, From from) {
+        stretches.push_back({ray, ray + 1, from});
+      },
+      [&](uint32_t from, uint32_t to) {
+        stretches.push_back({from, to, From::kPlane});
+        planar += b.begin[to] - b.begin[from];
+      });
   const uint8_t* narrow = in.take(planar).data();
-
-  const auto one = [&](uint32_t ray, From from) {
+  for (const auto& [ray, end, from] : stretches) {
     uint32_t* at = b.at.data() + b.begin[ray];
-    const uint32_t n = b.begin[ray + 1] - b.begin[ray];
+    const uint32_t n = b.begin[ray + 1] - b.begin[ray], size = b.begin[end] - b.begin[ray];
+    if (from == From::kPlane) {
+      Plane{in, narrow, b.at.data() + b.begin[ray - b.nu], at, size}.decode(n);
+      narrow += size;
+      continue;
+    }
     const uint32_t* like = b.at.data() + b.begin[from == From::kUp ? ray - b.nu : ray - (from == From::kLeft)];
     for (uint32_t i = 0; i < n; ++i) {
       const uint32_t wide = static_cast<uint32_t>(in.varint(0, ~0u, "change"));
       at[i] = from == From::kNothing ? (i == 0 ? 0 : at[i - 1]) + wide + 1 : like[i] + unzigzag(wide);
     }
-  };
-  const auto plane = [&](uint32_t from, uint32_t to) {
-    const uint32_t n = b.begin[from + 1] - b.begin[from], size = b.begin[to] - b.begin[from];
-    uint32_t* at = b.at.data() + b.begin[from];
-    const uint32_t* up = b.at.data() + b.begin[from - b.nu];
-    for (uint32_t i = 0; i < size; ++i) {
-      uint32_t r = narrow[i];
-      if (r == kEscape) r += static_cast<uint32_t>(in.varint(0, ~0u - kEscape, "residual"));
-      at[i] = (at - n)[i] + up[i] - (up - n)[i] + unzigzag(r);
-    }
-    narrow += size;
-  };
-  walk(b, one, plane);
-
-  bool valid = true;
-  for (uint32_t ray = 0; ray < b.rays(); ++ray) {
-    uint32_t least = 0;
-    for (uint32_t i = b.begin[ray]; i < b.begin[ray + 1]; ++i) {
-      valid &= b.at[i] > least;
-      least = b.at[i];
-    }
-    valid &= least < b.length;
   }
-  if (!valid) in.clause("11.4"), in.fail("the changes of a ray must ascend within it");
+  if (!is_valid(b)) in.clause("11.4"), in.fail("the changes of a ray must ascend within it");
 }
 
 }  // namespace
@@ -118,7 +219,7 @@ void ChunkDecoder::decode(std::span<const uint8_t> frame, uint32_t nu, uint32_t 
   decode_patterns(in, out.rays, s.palette, s.sets);
   decode_pattern_of_rays(in, out.rays);
   in.clause("11.3");
-  decode_changes(in, out.rays);
+  decode_changes(in, out.rays, s.stretches);
   in.expect_end();
 }
 

@@ -32,6 +32,12 @@ inline From predictor(const RayBlock& b, uint32_t u, uint32_t v) {
   return left ? From::kLeft : up ? From::kUp : From::kNothing;
 }
 
+// Rays with changes: one ray, or a stretch that the plane predicts.
+struct Stretch {
+  uint32_t ray, end;
+  From from;
+};
+
 // Calls one(ray, predictor) for the rays with changes that the plane does not predict, and plane(from, to) for the longest
 // stretches of a row that it does predict, in order. Encoder and decoder walk a block with this.
 template <class One, class Plane>
@@ -50,12 +56,13 @@ void walk(const RayBlock& b, One&& one, Plane&& plane) {
         ++u;
         continue;
       }
-      uint32_t end = u + 1;  // within the stretch, the left and the upper left neighbours match by themselves
-      while (end < b.nu && b.begin[v * b.nu + end + 1] - b.begin[v * b.nu + end] == n &&
-             b.begin[(v - 1) * b.nu + end + 1] - b.begin[(v - 1) * b.nu + end] == n)
-        ++end;
-      plane(ray, v * b.nu + end);
-      u = end;
+      // Within the stretch, the left and the upper left neighbours match by themselves.
+      const uint32_t* const here = &b.begin[ray];
+      const uint32_t* const above = here - b.nu;
+      uint32_t rays = 1, here_end = here[1] + n, above_end = above[1] + n;
+      for (; u + rays < b.nu && here[rays + 1] == here_end && above[rays + 1] == above_end; ++rays) here_end += n, above_end += n;
+      plane(ray, ray + rays);
+      u += rays;
     }
   }
 }
