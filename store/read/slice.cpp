@@ -12,6 +12,9 @@
 #include "store/read/slice.hpp"
 
 #include <algorithm>
+#include <array>
+#include <functional>
+#include <memory>
 #include <utility>
 
 #include <fmt/format.h>
@@ -105,11 +108,9 @@ struct Picture {
   struct Part {
     Band band;
     int64_t u0, u1;
-    std::vector<uint16_t> cells{};
+    std::unique_ptr<uint16_t[]> cells{};
     int64_t width() const { return u1 - u0; }
-    std::span<const uint16_t> row(int64_t v) const {
-      return std::span(cells).subspan(static_cast<size_t>((v - band.from) * width()), static_cast<size_t>(width()));
-    }
+    std::span<const uint16_t> row(int64_t v) const { return {&cells[static_cast<size_t>((v - band.from) * width())], static_cast<size_t>(width())}; }
   };
 
   // Makes the cells of parts on the threads and delivers them in order. Bands are cut at multiples of size_v, parts at
@@ -137,7 +138,7 @@ struct Picture {
           return Part{band, from, u};
         },
         [&](Part part, int) {
-          part.cells.resize(static_cast<size_t>((part.band.to - part.band.from) * part.width()));
+          part.cells = std::make_unique_for_overwrite<uint16_t[]>(static_cast<size_t>((part.band.to - part.band.from) * part.width()));
           fill(part);
           return part;
         },
@@ -171,7 +172,7 @@ struct Picture {
       for (int64_t first = part.u0 / side * side; first < part.u1; first += side) {
         const ChunkKey key{level, static_cast<uint32_t>(first / side), cv, segment};
         const int64_t u0 = std::max(part.u0, first), u1 = std::min(part.u1, first + side);
-        uint16_t* const out = part.cells.data() + (u0 - part.u0);
+        uint16_t* const out = part.cells.get() + (u0 - part.u0);
         const auto [all, decoded] = known(key, scratch);
         if (all) {
           for (int64_t v = 0; v < band.to - band.from; ++v) std::fill_n(out + v * part.width(), u1 - u0, *all);
@@ -193,9 +194,37 @@ struct Picture {
           Values values(chunk.sets, value, unreadable);
           for (uint32_t v = p.v0; v < p.v1; ++v) {
             uint16_t* out = p.out + (v - p.v0) * p.stride;
-            for (uint32_t ray = v * b.nu + p.u0; ray < v * b.nu + p.u1; ++ray) *out++ = values(b.sets(ray)[run_at(b.changes(ray), cell)]);
+            for (uint32_t ray = v * b.nu + p.u0, end = v * b.nu + p.u1, next; ray < end; out += next - ray, ray = next) {
+              for (next = ray + 1; next < end && b.pattern[next] == b.pattern[ray];) ++next;
+              paint_alike(b, ray, next, cell, values, out);
+            }
           }
         });
+  }
+
+  // Rays [from, to) of one pattern, of which each gives the value of one cell. Those with few runs have the values of all at hand.
+  static void paint_alike(const RayBlock& b, uint32_t from, uint32_t to, uint32_t cell, Values& values, uint16_t* out) {
+    const std::span<const SetId> sets = b.sets(from);
+    const uint32_t* at = b.changes(from).data();
+    std::array<uint16_t, 4> of_runs;
+    if (sets.size() > of_runs.size()) {
+      for (uint32_t ray = from; ray < to; ++ray) *out++ = values(sets[run_at(b.changes(ray), cell)]);
+      return;
+    }
+    std::transform(sets.begin(), sets.end(), of_runs.begin(), std::ref(values));
+    const auto paint = [&]<uint32_t N>(std::integral_constant<uint32_t, N>) {
+      for (uint16_t* const end = out + (to - from); out < end; at += N) {
+        uint32_t run = 0;
+        for (uint32_t i = 0; i < N; ++i) run += at[i] <= cell;
+        *out++ = of_runs[run];
+      }
+    };
+    switch (sets.size()) {
+      case 1: std::fill_n(out, to - from, of_runs[0]); break;
+      case 2: paint(std::integral_constant<uint32_t, 1>()); break;
+      case 3: paint(std::integral_constant<uint32_t, 2>()); break;
+      default: paint(std::integral_constant<uint32_t, 3>());
+    }
   }
 
   // Of a derived level: takes the two cells of each ray of the level below that the slice covers. (Deriving its chunks as a
@@ -376,7 +405,7 @@ struct Picture {
     by_parts(shape.chunk_cells, shape.chunk_rays, [&](Part& part) {
       for (int64_t s = part.u0 / shape.chunk_cells; s * shape.chunk_cells < part.u1; ++s)
         runs(part.band.from, part.band.to, static_cast<uint32_t>(s), {part.u0, part.u1}, [&](int64_t v, int64_t a, int64_t b, uint16_t value_of_run) {
-          std::fill_n(part.cells.data() + (v - part.band.from) * part.width() + (a - part.u0), b - a, value_of_run);
+          std::fill_n(part.cells.get() + (v - part.band.from) * part.width() + (a - part.u0), b - a, value_of_run);
         });
     });
   }
