@@ -15,6 +15,7 @@
 #include <array>
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <utility>
 
 #include <fmt/format.h>
@@ -122,6 +123,10 @@ struct Picture {
     Band left{view.v0, view.v1}, band{};
     int64_t u = view.u1;
     std::vector<Part> parts;  // of a band that is not complete
+    // The memory of parts that were delivered: new memory for each would take a fifth of the time.
+    std::vector<std::unique_ptr<uint16_t[]>> spare;
+    std::mutex mutex;
+    const auto largest = static_cast<size_t>(rows * std::min(wide, width()));
     in_order(
         threads,
         [&]() -> std::optional<Part> {
@@ -138,7 +143,11 @@ struct Picture {
           return Part{band, from, u};
         },
         [&](Part part, int) {
-          part.cells = std::make_unique_for_overwrite<uint16_t[]>(static_cast<size_t>((part.band.to - part.band.from) * part.width()));
+          {
+            std::lock_guard lock(mutex);
+            if (!spare.empty()) part.cells = std::move(spare.back()), spare.pop_back();
+          }
+          if (!part.cells) part.cells = std::make_unique_for_overwrite<uint16_t[]>(largest);
           fill(part);
           return part;
         },
@@ -149,6 +158,8 @@ struct Picture {
           if (!last && of.to - of.from > 1) return;
           for (int64_t i = 0; i < of.to - of.from; ++i)
             for (const Part& p : parts) row(nth(of, i), p.row(nth(of, i)));
+          std::lock_guard lock(mutex);
+          for (Part& p : parts) spare.push_back(std::move(p.cells));
           parts.clear();
         });
   }
@@ -169,18 +180,26 @@ struct Picture {
       const Band& band = part.band;
       const auto cv = static_cast<uint32_t>(band.from / side);
       std::shared_ptr<Chunk> scratch;
+      int64_t alike = part.u0;  // from here on all rows are to be like the lowest one
+      const auto repeat = [&](int64_t end) {
+        const uint16_t* const lowest = part.cells.get() + (alike - part.u0);
+        for (int64_t v = 1; v < band.to - band.from; ++v) std::copy_n(lowest, end - alike, part.cells.get() + v * part.width() + (alike - part.u0));
+      };
       for (int64_t first = part.u0 / side * side; first < part.u1; first += side) {
         const ChunkKey key{level, static_cast<uint32_t>(first / side), cv, segment};
         const int64_t u0 = std::max(part.u0, first), u1 = std::min(part.u1, first + side);
         uint16_t* const out = part.cells.get() + (u0 - part.u0);
         const auto [all, decoded] = known(key, scratch);
         if (all) {
-          for (int64_t v = 0; v < band.to - band.from; ++v) std::fill_n(out + v * part.width(), u1 - u0, *all);
+          std::fill_n(out, u1 - u0, *all);
           continue;
         }
+        repeat(u0);
+        alike = u1;
         const auto within = [&](int64_t n, int64_t begin) { return static_cast<uint32_t>(n - begin); };
         paint(*decoded, Patch{within(u0, first), within(u1, first), within(band.from, cv * side), within(band.to, cv * side), out, part.width()});
       }
+      repeat(part.u1);
     });
   }
 
@@ -212,11 +231,14 @@ struct Picture {
       return;
     }
     std::transform(sets.begin(), sets.end(), of_runs.begin(), std::ref(values));
+    // A value is that of the first run, changed by each change up to the cell: without look-ups, so that it is done for several rays at once.
     const auto paint = [&]<uint32_t N>(std::integral_constant<uint32_t, N>) {
-      for (uint16_t* const end = out + (to - from); out < end; at += N) {
-        uint32_t run = 0;
-        for (uint32_t i = 0; i < N; ++i) run += at[i] <= cell;
-        *out++ = of_runs[run];
+      std::array<uint16_t, N> changed;
+      for (uint32_t i = 0; i < N; ++i) changed[i] = of_runs[i] ^ of_runs[i + 1];
+      for (uint32_t ray = 0; ray < to - from; ++ray) {
+        uint16_t shown = of_runs[0];
+        for (uint32_t i = 0; i < N; ++i) shown ^= at[N * ray + i] <= cell ? changed[i] : 0;
+        out[ray] = shown;
       }
     };
     switch (sets.size()) {
