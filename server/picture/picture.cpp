@@ -103,7 +103,7 @@ void PngWriter::row(std::span<const uint16_t> numbers) {
   changed_.clear();
   append_changes(numbers_, numbers, changed_);
   numbers_.assign(numbers.begin(), numbers.end());
-  know(numbers);
+  for (const size_t group : changed_) know(numbers.subspan(8 * group, std::min(numbers.size() - 8 * group, size_t{8})));
   rows_->row(numbers, changed_, value_.data());
 }
 

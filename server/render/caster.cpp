@@ -24,7 +24,7 @@ Caster::Caster(const Viewed& viewed, const Prepared& prepared, const Aim& aim, i
 }
 
 Window Caster::with_margin(const Window& window) const {
-  constexpr int64_t n = Shading::kReach;
+  constexpr int64_t n = Shading::kReach + 1;  // a point of a pixel may be lit as the pixel beside it
   const PictureSize size = aim_.camera.size;
   return {std::max<int64_t>(0, window.x0 - n), std::max<int64_t>(0, window.y0 - n), std::min<int64_t>(size.width, window.x1 + n),
           std::min<int64_t>(size.height, window.y1 + n)};
@@ -62,20 +62,25 @@ std::optional<Sample> Caster::sample(double x, double y, int worker) {
   }
 }
 
-Samples Caster::cast(const Window& window, const Progress& progress) {
+void Caster::cast(const Window& window, Samples& samples, const Progress& progress) {
   Samples out(window);
+  Window rest = window;
+  if (samples.window.y0 <= window.y0 && samples.window.y1 > window.y0) {
+    rest.y0 = std::min(window.y1, samples.window.y1);
+    std::copy_n(&samples.at(window.x0, window.y0), window.width() * (rest.y0 - window.y0), out.samples.begin());
+  }
+  samples = std::move(out);
   each_part(
-      window,
+      rest,
       [&](const Window& part, int worker) {
         for (int64_t y = part.y0; y < part.y1; ++y)
           for (int64_t x = part.x0; x < part.x1; ++x) {
             const auto s = sample(static_cast<double>(x) + 0.5, static_cast<double>(y) + 0.5, worker);
-            if (s) out.at(x, y) = *s;
+            if (s) samples.at(x, y) = *s;
             else x |= 7;  // its neighbours lack the same bytes
           }
       },
       progress);
-  return out;
 }
 
 Seen Caster::middle(const Samples& samples, int64_t x, int64_t y) const {

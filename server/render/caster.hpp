@@ -27,8 +27,9 @@ class Caster {
   // Keeps references. Calls throw what Wanted throws.
   Caster(const Viewed& viewed, const Prepared& prepared, const Aim& aim, int threads);
 
-  // One line of sight through the middle of each pixel. `progress` is called on this thread.
-  Samples cast(const Window& window, const Progress& progress);
+  // One line of sight through the middle of each pixel. `samples` becomes that of the window; the rows that it has of it already are kept.
+  // REQUIRES: it is empty, or of other rows of the same width. `progress` is called on this thread.
+  void cast(const Window& window, Samples& samples, const Progress& progress);
   // The window, and around it what the light on its pixels depends on.
   Window with_margin(const Window& window) const;
   // What the middle of a pixel shows.

@@ -6,8 +6,6 @@
 namespace teracell::server {
 namespace {
 
-constexpr int64_t kBandPixels = int64_t{1} << 21;  // that are held as samples
-
 // A colour that is added up: premultiplied by alpha.
 struct Sum {
   double r = 0, g = 0, b = 0, a = 0;
@@ -53,10 +51,11 @@ Picture3D render(const GridReader& reader, const Prepared& prepared, const Rende
   };
   const PictureSize size = options.aim.camera.size;
   Picture3D out{size, std::vector<uint8_t>(size_t{4} * size.width * size.height)};
-  const int64_t width = size.width, height = size.height, band = std::max<int64_t>(32, kBandPixels / width);
+  const int64_t width = size.width, height = size.height, band = std::max<int64_t>(32, options.held / width);
+  Samples samples({});
   for (int64_t y = 0; y < height; y += band) {
     const Window rows{0, y, width, std::min(height, y + band)};
-    const Samples samples = caster.cast(options.flat ? rows : caster.with_margin(rows), [&](double share) {
+    caster.cast(options.flat ? rows : caster.with_margin(rows), samples, [&](double share) {
       progress((static_cast<double>(y) + 0.8 * share * static_cast<double>(rows.height())) / static_cast<double>(height));
     });
     caster.each_part(

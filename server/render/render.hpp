@@ -10,6 +10,7 @@ struct RenderOptions {
   std::vector<bool> shown;          // of each label; empty: all but those of the background
   Rgba ground{255, 255, 255, 255};  // where nothing is seen
   bool flat = false;                // the materials' colours alone, and one line of sight per pixel
+  int64_t held = int64_t{1} << 18;  // pixels whose samples are in memory; at least 32 rows are
 };
 
 // The most pixels of a picture, and along a side.

@@ -79,7 +79,8 @@ class Encoder {
 std::string encode_sights(const Viewed& viewed, const Prepared& prepared, const Aim& aim, const Window& window, bool quick, int threads,
                           const Caster::Progress& progress) {
   Caster caster(viewed, prepared, aim, threads);
-  const Samples samples = caster.cast(caster.with_margin(window), [&](double share) { progress(0.7 * share); });
+  Samples samples({});
+  caster.cast(caster.with_margin(window), samples, [&](double share) { progress(0.7 * share); });
   const Distances distances(samples, window, aim.camera.perspective);
   const auto pixels = static_cast<size_t>(window.width() * window.height());
   std::vector<Seen> middles(pixels);

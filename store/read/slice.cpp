@@ -12,6 +12,10 @@
 #include "store/read/slice.hpp"
 
 #include <algorithm>
+#include <array>
+#include <functional>
+#include <memory>
+#include <mutex>
 #include <utility>
 
 #include <fmt/format.h>
@@ -105,11 +109,9 @@ struct Picture {
   struct Part {
     Band band;
     int64_t u0, u1;
-    std::vector<uint16_t> cells{};
+    std::unique_ptr<uint16_t[]> cells{};
     int64_t width() const { return u1 - u0; }
-    std::span<const uint16_t> row(int64_t v) const {
-      return std::span(cells).subspan(static_cast<size_t>((v - band.from) * width()), static_cast<size_t>(width()));
-    }
+    std::span<const uint16_t> row(int64_t v) const { return {&cells[static_cast<size_t>((v - band.from) * width())], static_cast<size_t>(width())}; }
   };
 
   // Makes the cells of parts on the threads and delivers them in order. Bands are cut at multiples of size_v, parts at
@@ -121,6 +123,10 @@ struct Picture {
     Band left{view.v0, view.v1}, band{};
     int64_t u = view.u1;
     std::vector<Part> parts;  // of a band that is not complete
+    // The memory of parts that were delivered: new memory for each would take a fifth of the time.
+    std::vector<std::unique_ptr<uint16_t[]>> spare;
+    std::mutex mutex;
+    const auto largest = static_cast<size_t>(rows * std::min(wide, width()));
     in_order(
         threads,
         [&]() -> std::optional<Part> {
@@ -137,7 +143,11 @@ struct Picture {
           return Part{band, from, u};
         },
         [&](Part part, int) {
-          part.cells.resize(static_cast<size_t>((part.band.to - part.band.from) * part.width()));
+          {
+            std::lock_guard lock(mutex);
+            if (!spare.empty()) part.cells = std::move(spare.back()), spare.pop_back();
+          }
+          if (!part.cells) part.cells = std::make_unique_for_overwrite<uint16_t[]>(largest);
           fill(part);
           return part;
         },
@@ -148,6 +158,8 @@ struct Picture {
           if (!last && of.to - of.from > 1) return;
           for (int64_t i = 0; i < of.to - of.from; ++i)
             for (const Part& p : parts) row(nth(of, i), p.row(nth(of, i)));
+          std::lock_guard lock(mutex);
+          for (Part& p : parts) spare.push_back(std::move(p.cells));
           parts.clear();
         });
   }
@@ -168,18 +180,26 @@ struct Picture {
       const Band& band = part.band;
       const auto cv = static_cast<uint32_t>(band.from / side);
       std::shared_ptr<Chunk> scratch;
+      int64_t alike = part.u0;  // from here on all rows are to be like the lowest one
+      const auto repeat = [&](int64_t end) {
+        const uint16_t* const lowest = part.cells.get() + (alike - part.u0);
+        for (int64_t v = 1; v < band.to - band.from; ++v) std::copy_n(lowest, end - alike, part.cells.get() + v * part.width() + (alike - part.u0));
+      };
       for (int64_t first = part.u0 / side * side; first < part.u1; first += side) {
         const ChunkKey key{level, static_cast<uint32_t>(first / side), cv, segment};
         const int64_t u0 = std::max(part.u0, first), u1 = std::min(part.u1, first + side);
-        uint16_t* const out = part.cells.data() + (u0 - part.u0);
+        uint16_t* const out = part.cells.get() + (u0 - part.u0);
         const auto [all, decoded] = known(key, scratch);
         if (all) {
-          for (int64_t v = 0; v < band.to - band.from; ++v) std::fill_n(out + v * part.width(), u1 - u0, *all);
+          std::fill_n(out, u1 - u0, *all);
           continue;
         }
+        repeat(u0);
+        alike = u1;
         const auto within = [&](int64_t n, int64_t begin) { return static_cast<uint32_t>(n - begin); };
         paint(*decoded, Patch{within(u0, first), within(u1, first), within(band.from, cv * side), within(band.to, cv * side), out, part.width()});
       }
+      repeat(part.u1);
     });
   }
 
@@ -193,9 +213,40 @@ struct Picture {
           Values values(chunk.sets, value, unreadable);
           for (uint32_t v = p.v0; v < p.v1; ++v) {
             uint16_t* out = p.out + (v - p.v0) * p.stride;
-            for (uint32_t ray = v * b.nu + p.u0; ray < v * b.nu + p.u1; ++ray) *out++ = values(b.sets(ray)[run_at(b.changes(ray), cell)]);
+            for (uint32_t ray = v * b.nu + p.u0, end = v * b.nu + p.u1, next; ray < end; out += next - ray, ray = next) {
+              for (next = ray + 1; next < end && b.pattern[next] == b.pattern[ray];) ++next;
+              paint_alike(b, ray, next, cell, values, out);
+            }
           }
         });
+  }
+
+  // Rays [from, to) of one pattern, of which each gives the value of one cell. Those with few runs have the values of all at hand.
+  static void paint_alike(const RayBlock& b, uint32_t from, uint32_t to, uint32_t cell, Values& values, uint16_t* out) {
+    const std::span<const SetId> sets = b.sets(from);
+    const uint32_t* at = b.changes(from).data();
+    std::array<uint16_t, 4> of_runs;
+    if (sets.size() > of_runs.size()) {
+      for (uint32_t ray = from; ray < to; ++ray) *out++ = values(sets[run_at(b.changes(ray), cell)]);
+      return;
+    }
+    std::transform(sets.begin(), sets.end(), of_runs.begin(), std::ref(values));
+    // A value is that of the first run, changed by each change up to the cell: without look-ups, so that it is done for several rays at once.
+    const auto paint = [&]<uint32_t N>(std::integral_constant<uint32_t, N>) {
+      std::array<uint16_t, N> changed;
+      for (uint32_t i = 0; i < N; ++i) changed[i] = of_runs[i] ^ of_runs[i + 1];
+      for (uint32_t ray = 0; ray < to - from; ++ray) {
+        uint16_t shown = of_runs[0];
+        for (uint32_t i = 0; i < N; ++i) shown ^= at[N * ray + i] <= cell ? changed[i] : 0;
+        out[ray] = shown;
+      }
+    };
+    switch (sets.size()) {
+      case 1: std::fill_n(out, to - from, of_runs[0]); break;
+      case 2: paint(std::integral_constant<uint32_t, 1>()); break;
+      case 3: paint(std::integral_constant<uint32_t, 2>()); break;
+      default: paint(std::integral_constant<uint32_t, 3>());
+    }
   }
 
   // Of a derived level: takes the two cells of each ray of the level below that the slice covers. (Deriving its chunks as a
@@ -376,7 +427,7 @@ struct Picture {
     by_parts(shape.chunk_cells, shape.chunk_rays, [&](Part& part) {
       for (int64_t s = part.u0 / shape.chunk_cells; s * shape.chunk_cells < part.u1; ++s)
         runs(part.band.from, part.band.to, static_cast<uint32_t>(s), {part.u0, part.u1}, [&](int64_t v, int64_t a, int64_t b, uint16_t value_of_run) {
-          std::fill_n(part.cells.data() + (v - part.band.from) * part.width() + (a - part.u0), b - a, value_of_run);
+          std::fill_n(part.cells.get() + (v - part.band.from) * part.width() + (a - part.u0), b - a, value_of_run);
         });
     });
   }

@@ -14,12 +14,15 @@ namespace {
 
 using namespace testing;
 
-Picture3D picture_of(const GridReader& reader, const std::map<std::string, std::string, std::less<>>& words, int threads = 1) {
+Picture3D picture_of(const GridReader& reader, const std::map<std::string, std::string, std::less<>>& words, int threads = 1,
+                     int64_t held = RenderOptions().held) {
   const auto text = [&](std::string_view name) -> const std::string* {
     const auto it = words.find(name);
     return it == words.end() ? nullptr : &it->second;
   };
-  return render(reader, parse_render_options(text, reader, "--"), threads, [](double) {});
+  RenderOptions options = parse_render_options(text, reader, "--");
+  options.held = held;
+  return render(reader, options, threads, [](double) {});
 }
 
 Rgba pixel(const Picture3D& picture, int64_t x, int64_t y) {
@@ -122,6 +125,15 @@ TEST_CASE("a ball is round: its outline is a circle, and light changes smoothly 
       if (radius < 0.9) largest_step = std::max(largest_step, std::abs(double{1} * pixel(picture, x, y)[1] - pixel(picture, x + 1, y)[1]));
     }
   CHECK(largest_step <= 24);
+}
+
+TEST_CASE("a picture is the same however few of its rows are held", "[render]") {
+  const TempFolder folder;
+  store_cells(folder / "ball", metadata_of(cube_grid(-1.25, 1.25, 48), 2, 2), ball(48));
+  const GridReader reader = stored_with_cache(folder / "ball");
+  for (const std::string size : {"200,210", "330,330"})
+    for (const std::string view : {"y", "-z"})
+      REQUIRE(picture_of(reader, {{"view", view}, {"size", size}}, 2, 1).rgba == picture_of(reader, {{"view", view}, {"size", size}}).rgba);
 }
 
 TEST_CASE("the default view has all of a box in it, from the same direction for any shape", "[render]") {

@@ -163,15 +163,23 @@ TEST_CASE("Rays of two billion cells with changes anywhere come back as they wer
   expect_round_trip(random_chunk(random, BlockKind::kSmooth, 64, 64, length, 3));
 }
 
-TEST_CASE("Residuals around the largest byte come back as they were") {
-  for (int64_t jump = -1030; jump <= 1030; jump += 1) {
-    Chunk chunk{{}, SetTable(2)};
-    chunk.rays.reset(2, 2, 4000);
-    for (const int64_t at : {int64_t{2000}, int64_t{2000}, int64_t{2000}, 2000 + jump})
-      chunk.rays.append(std::array<SetId, 2>{0, 1}, std::array<uint32_t, 1>{static_cast<uint32_t>(at)});
-    const Chunk back = decoded(encoded(chunk), {2, 2, 4000, 2});
-    if (!same_runs(back, chunk)) FAIL("a residual of " << jump);
-  }
+TEST_CASE("Residuals around the largest byte come back as they were, whatever the number of changes and wherever one jumps") {
+  for (uint32_t n = 1; n <= 6; ++n)
+    for (int64_t jump = n == 1 ? -1030 : -140; jump <= (n == 1 ? 1030 : 140); ++jump) {
+      Chunk chunk{{}, SetTable(2)};
+      chunk.rays.reset(11, 2, 20000);
+      std::vector<SetId> sets = {0};
+      for (uint32_t k = 1; k <= n; ++k) sets.push_back(k % 2);
+      for (uint32_t ray = 0; ray < 22; ++ray) {
+        std::vector<uint32_t> at;
+        for (uint32_t k = 1; k <= n; ++k) at.push_back(3000 * k + ray % 11 * k);
+        const auto place = static_cast<uint32_t>(jump + 1030) % (9 * n);  // in the second row, from its third ray on
+        if (ray == 13 + place / n) at[place % n] += static_cast<uint32_t>(jump);
+        chunk.rays.append(sets, at);
+      }
+      const Chunk back = decoded(encoded(chunk), {11, 2, 20000, 2});
+      if (!same_runs(back, chunk)) FAIL("a residual of " << jump << " among " << n << " changes");
+    }
 }
 
 TEST_CASE("Thousands of labels, and sets of all of them, come back as they were") {

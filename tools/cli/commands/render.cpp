@@ -14,7 +14,7 @@
 namespace teracell::cli {
 namespace {
 
-constexpr size_t kChunksKept = size_t{96} << 20;  // bytes of decoded chunks
+constexpr size_t kChunksKept = size_t{64} << 20;  // bytes of decoded chunks
 
 struct RenderArguments {
   GridArgument grid;
