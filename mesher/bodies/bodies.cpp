@@ -28,23 +28,35 @@ constexpr uint64_t kMostTogether = uint64_t{8} << 20;
 class Study {
  public:
   explicit Study(const Vec3& flat_slack) : flat_slack_(flat_slack) { begin(); }
-  void take(const Facet& facet, const SceneBody& body, bool moves, uint32_t patch) {
-    const std::array<VertexHash, 3> hashes = vertex_hashes(facet);
-    boundary_.add(hashes);
-    opposites_.add(hashes);
-    std::array<Vec3, 3> p = facet.vertex;
-    for (Vec3& q : p) {
-      if (moves) q = moved(q, body);
-      extend(lo_, hi_, q);
-    }
+  // Facets of one patch.
+  template <class F>
+  void take(std::span<const F> facets, const SceneBody& body, uint32_t patch) {
+    if (facets.empty()) return;
+    const bool moves = body.matrix != kIdentity;
     if (patch >= areas_.size()) areas_.resize(patch + 1);
-    const double size = area(p);
-    areas_[patch] += size;
-    if (flat_.wanted()) flat_.take(p, size);
-    for (int w = 0; w < 3; ++w) {
-      const int u = (w + 1) % 3, v = (w + 2) % 3;
-      area_[w] += std::abs((p[1][u] - p[0][u]) * (p[2][v] - p[0][v]) - (p[1][v] - p[0][v]) * (p[2][u] - p[0][u])) / 2;
+    Vec3 lo = lo_, hi = hi_, area = area_;  // stay in registers
+    double& patch_area = areas_[patch];
+    for (const F& f : facets) {
+      const Facet& facet = facet_of(f);
+      const std::array<VertexHash, 3> hashes = vertex_hashes(facet);
+      boundary_.add(hashes);
+      opposites_.add(hashes);
+      std::array<Vec3, 3> p = facet.vertex;
+      if (moves)
+        for (Vec3& q : p) q = moved(q, body);
+      Vec3 cross;  // product of two sides
+      for (int w = 0; w < 3; ++w) {
+        const int u = (w + 1) % 3, v = (w + 2) % 3;
+        lo[w] = std::min(lo[w], std::min(std::min(p[0][w], p[1][w]), p[2][w]));
+        hi[w] = std::max(hi[w], std::max(std::max(p[0][w], p[1][w]), p[2][w]));
+        cross[w] = (p[1][u] - p[0][u]) * (p[2][v] - p[0][v]) - (p[1][v] - p[0][v]) * (p[2][u] - p[0][u]);
+        area[w] += std::abs(cross[w]) / 2;
+      }
+      const double size = std::sqrt((cross[0] * cross[0] + cross[1] * cross[1]) + cross[2] * cross[2]) / 2;
+      patch_area += size;
+      if (flat_.wanted()) flat_.take(p, size);
     }
+    lo_ = lo, hi_ = hi, area_ = area;
   }
   // REQUIRES: all facets of the body were taken.
   void end_body() {
@@ -76,6 +88,8 @@ class Study {
     std::vector<double> areas;
     FlatFaces flat;
   };
+  static const Facet& facet_of(const Facet& f) { return f; }
+  static const Facet& facet_of(const SceneFacet& f) { return f.facet; }
   void begin() {
     lo_.fill(HUGE_VAL), hi_.fill(-HUGE_VAL);
     boundary_ = {};
@@ -161,18 +175,18 @@ class BodyReader {
   }
 
  private:
-  static constexpr size_t kFacets = 4096, kPieces = 1024;
+  static constexpr size_t kFacets = 4096, kPieces = 1024;  // a batch is handed on once it has as many of either
   // Facets of a body that arrived together: they lie in the store, or are the next ones of Batch::copies. Or the end of the body.
   struct Piece {
     size_t body;
     std::span<const SceneFacet> stored;
     size_t copied;
     bool ends;
-    uint32_t patch;  // of those copied
+    uint32_t patch;
   };
   struct Batch {
     std::vector<Piece> pieces;
-    std::vector<Facet> copies;
+    std::shared_ptr<std::vector<Facet>> copies;  // null: there are none
     size_t facets = 0;
   };
 
@@ -182,7 +196,8 @@ class BodyReader {
     batch_.facets += facets.size();
     if (!out_.in_memory) {
       batch_.pieces.push_back({b, {}, facets.size(), false, patch_});
-      batch_.copies.insert(batch_.copies.end(), facets.begin(), facets.end());
+      if (!batch_.copies) batch_.copies = copies_.next();
+      batch_.copies->insert(batch_.copies->end(), facets.begin(), facets.end());
     }
     while (out_.in_memory && !facets.empty()) {
       const std::span<const SceneFacet> stored = out_.facets->append(facets, layer, patch_);
@@ -237,12 +252,13 @@ class BodyReader {
     const auto batch = std::make_shared<const Batch>(std::exchange(batch_, {}));
     if (batch->pieces.empty()) return;
     out_.helper->run([&scene = scene_, study = study_, batch] {
-      const Facet* copy = batch->copies.data();
+      std::span<const Facet> copies;
+      if (batch->copies) copies = *batch->copies;
       for (const Piece& p : batch->pieces) {
         const SceneBody& body = scene.bodies[p.body];
-        const bool moves = body.matrix != kIdentity;
-        for (const SceneFacet& f : p.stored) study->take(f.facet, body, moves, f.patch);
-        for (size_t i = 0; i < p.copied; ++i) study->take(*copy++, body, moves, p.patch);
+        study->take(p.stored, body, p.patch);
+        study->take(copies.first(p.copied), body, p.patch);
+        copies = copies.subspan(p.copied);
         if (p.ends) study->end_body();
       }
     });
@@ -270,6 +286,7 @@ class BodyReader {
   const std::shared_ptr<Study> study_ = std::make_shared<Study>(known_flat_slack(scene_));
   const std::shared_ptr<SurfaceCounter> counter_ = std::make_shared<SurfaceCounter>();
   const std::shared_ptr<std::vector<SurfaceCounts>> counts_;
+  JobLists<Facet> copies_;
   Batch batch_;
 };
 

@@ -47,13 +47,19 @@ void append_boundary(std::vector<Use>& uses, std::vector<BoundaryEdge>& out) {
 
 }  // namespace
 
+// Each half of the vertices' hashes has a sum and a parity of its own, without a branch: which end of an edge has the greater hash can't be
+// predicted. Of an edge without length, the ends are equal, and it adds nothing.
 void BoundaryProof::add(const std::array<VertexHash, 3>& facet) {
-  for_each_edge(facet, [&](const std::array<uint64_t, 2>& edge, bool forward, int) {
-    for (int lane = 0; lane < 2; ++lane) {
-      sum_[lane] += forward ? edge[lane] : -edge[lane];
-      parity_[lane] ^= edge[lane];
-    }
-  });
+  const auto add_edge = [](uint64_t a, uint64_t b, uint64_t& sum, uint64_t& parity) {
+    const uint64_t edge = fold((a + b) ^ kHashKeys[1], kHashKeys[0]), forward = -uint64_t{a < b}, backward = -uint64_t{b < a};
+    sum += (edge & forward) - (edge & backward);
+    parity ^= edge & (forward | backward);
+  };
+  for (int i = 0; i < 3; ++i) {
+    const VertexHash &a = facet[i], &b = facet[(i + 1) % 3];
+    add_edge(a.low, b.low, sum_[0], parity_[0]);
+    add_edge(a.high, b.high, sum_[1], parity_[1]);
+  }
 }
 
 void OppositeSample::keep(uint64_t facet) {

@@ -100,15 +100,46 @@ void SurfaceCounter::expect(uint64_t facets) {
 }
 
 void SurfaceCounter::add(const Facet& facet, bool at_home) {
+  if (added_ - taken_ == kWaiting) take(waiting_[taken_++ % kWaiting]);
+  Waiting& last = waiting_[added_++ % kWaiting];
+  last = {vertex_hashes(facet), at_home};
+  for (const VertexHash& hash : last.vertices) numbers_.prefetch(hash);
+  if (at_home) degenerate_ += has_no_area(facet);
+}
+
+void SurfaceCounter::take_waiting() {
+  while (taken_ < added_) take(waiting_[taken_++ % kWaiting]);
+}
+
+uint64_t SurfaceCounter::duplicates() {
+  take_waiting();
+  return facets_ - distinct_.count();
+}
+
+uint64_t SurfaceCounter::opposite() {
+  take_waiting();
+  return (distinct_.count(), distinct_.otherwise());
+}
+
+uint64_t SurfaceCounter::shells() {
+  take_waiting();
+  return vertices_.count();
+}
+
+uint32_t SurfaceCounter::shell_of(const Vec3& vertex) {
+  take_waiting();
+  return vertices_.of(numbers_(vertex));
+}
+
+void SurfaceCounter::take(const Waiting& facet) {
   std::array<uint32_t, 3> v;
   for (int i = 0; i < 3; ++i) {
-    v[i] = numbers_(facet.vertex[i]);
+    v[i] = numbers_(facet.vertices[i]);
     if (v[i] == vertices_.size()) vertices_.add();
   }
   for (int i = 1; i < 3; ++i) vertices_.join(v[i], v[0]);
-  if (!at_home) return;
+  if (!facet.at_home) return;
   ++facets_;
-  degenerate_ += has_no_area(facet);
   const bool odd = (v[0] > v[1]) ^ (v[1] > v[2]) ^ (v[0] > v[2]);  // whether sorting three different vertices reverses the facet
   std::ranges::sort(v);  // so that the order of a facet's vertices does not matter
   const bool turns = odd && v[0] != v[1] && v[1] != v[2];

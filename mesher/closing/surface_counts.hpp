@@ -20,10 +20,17 @@ class VertexNumbers {
  public:
   uint32_t operator()(const Vec3& vertex) { return (*this)(vertex_hash(vertex)); }
   uint32_t operator()(const VertexHash& hash);
+  // A call for that hash comes soon.
+  void prefetch(const VertexHash& hash) const {
+    if (!table_.empty()) __builtin_prefetch(&table_[hash.low & (table_.size() - 1)]);
+  }
   // REQUIRES: a vertex with that hash has a number.
   uint32_t find(const VertexHash& hash) const;
   const VertexHash& hash(uint32_t number) const { return hashes_[number]; }
-  void expect(uint64_t vertices) { rehash(std::bit_ceil(2 * vertices + 1024)); }
+  void expect(uint64_t vertices) {
+    rehash(std::bit_ceil(2 * vertices + 1024));
+    hashes_.reserve(vertices);
+  }
   uint32_t count() const { return static_cast<uint32_t>(hashes_.size()); }
 
  private:
@@ -72,18 +79,28 @@ class SurfaceCounter {
   // facet.
   void add(const Facet& facet, bool at_home = true);
 
-  uint64_t degenerate() const { return degenerate_; }                 // facets without area, decided exactly
-  uint64_t duplicates() { return facets_ - distinct_.count(); }       // facets with the three vertices of an earlier one
-  uint64_t opposite() { return (distinct_.count(), distinct_.otherwise()); }  // duplicates whose orientation is opposite to the first one's
-  uint64_t shells() const { return vertices_.count(); }               // groups of facets connected by equal vertices
+  uint64_t degenerate() const { return degenerate_; }  // facets without area, decided exactly
+  uint64_t duplicates();                               // facets with the three vertices of an earlier one
+  uint64_t opposite();                                 // duplicates whose orientation is opposite to the first one's
+  uint64_t shells();                                   // groups of facets connected by equal vertices
   SurfaceCounts totals() { return {degenerate(), duplicates(), opposite(), shells()}; }
   // The shell of a vertex: the same number for all vertices of a shell. REQUIRES: a facet with that vertex was added.
-  uint32_t shell_of(const Vec3& vertex) { return vertices_.of(numbers_(vertex)); }
+  uint32_t shell_of(const Vec3& vertex);
 
  private:
+  struct Waiting {
+    std::array<VertexHash, 3> vertices;
+    bool at_home;
+  };
+  static constexpr size_t kWaiting = 8;
+  void take(const Waiting& facet);
+  void take_waiting();
+
   VertexNumbers numbers_;
   DistinctCount distinct_;
   Groups vertices_;  // those of one shell
+  std::array<Waiting, kWaiting> waiting_{};
+  uint64_t added_ = 0, taken_ = 0;  // facets that were added are taken some calls later, when their places in the tables have reached the cache
   uint64_t facets_ = 0, degenerate_ = 0;
 };
 

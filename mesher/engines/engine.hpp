@@ -16,7 +16,7 @@ namespace teracell::mesher {
 struct SceneFacet {
   Facet facet;
   uint32_t layer;
-  uint32_t patch = 0;
+  uint32_t patch;  // without a value of its own: that would touch each page of a new piece of a FacetStore
 };
 static_assert(sizeof(SceneFacet) == 80);
 // Added to the patch of a facet that is not in its body's file but closes it.

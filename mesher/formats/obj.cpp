@@ -16,9 +16,11 @@
 namespace teracell::mesher {
 namespace {
 
+bool is_space(char c) { return c == ' ' || c == '\t' || c == '\r'; }
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
 // Appends the vertices of the leading lines of `text` that are exactly "v x y z"; returns how many bytes these lines take.
 size_t plain_vertices(std::string_view text, std::vector<Vec3>& out) {
-  const auto is_space = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
   const char *line = text.data(), *const end = line + text.size();
   for (;;) {
     const char* p = line;
@@ -28,8 +30,10 @@ size_t plain_vertices(std::string_view text, std::vector<Vec3>& out) {
     for (double& x : v) {
       const char* const blank = p;
       while (p != end && is_space(*p)) ++p;
-      const auto [stop, error] = std::from_chars(p, end, x);
-      plain = p != blank && error == std::errc{} && is_coordinate(x);
+      const char* stop = plain_number(p, end, x);
+      if (!stop)
+        if (const auto [at, error] = std::from_chars(p, end, x); error == std::errc{}) stop = at;
+      plain = p != blank && stop && is_coordinate(x);
       if (!plain) break;
       x += 0.0;  // -0 is +0
       p = stop;
@@ -53,8 +57,10 @@ class ObjReader {
       if (keyword == "v") {
         read_vertex(line);
         read_plain_vertices();
-      } else if (keyword == "f" || keyword == "fo") read_face(line);
-      else if (keyword == "g") enter_groups(line);
+      } else if (keyword == "f" || keyword == "fo") {
+        read_face(line);
+        read_plain_faces();
+      } else if (keyword == "g") enter_groups(line);
       else if (keyword == "o") enter_object(line);
       else count_skipped(keyword, line);
     }
@@ -108,6 +114,37 @@ class ObjReader {
       input_.consume_lines(taken_here + taken_there, plain_[0].size() + plain_[1].size());
       if (taken_here + taken_there < text.size() / 4 * 3) next_plain_ = input_.offset() + kBlock;  // other lines come first
     }
+  }
+
+  // Takes the next lines as long as they lie in the window and are exactly "f a b c" with the numbers of vertices, which textures and normals
+  // may follow. Most faces are such lines.
+  void read_plain_faces() {
+    const std::string_view text = input_.window(0);
+    const char *line = text.data(), *const end = line + text.size();
+    uint64_t lines = 0;
+    for (;; ++lines) {
+      const char* p = line;
+      if (p == end || *p++ != 'f') break;
+      std::array<Vec3, 3> corners;
+      bool plain = true;
+      for (Vec3& corner : corners) {
+        plain = p != end && is_space(*p);
+        while (p != end && is_space(*p)) ++p;
+        uint64_t number = 0;
+        const char* const first = p;
+        p = take_digits(p, end, number);
+        plain &= p - first <= 19 && number > 0 && number <= vertices_.size();
+        if (!plain) break;
+        corner = vertices_[number - 1];
+        if (p != end && *p == '/')
+          while (p != end && (is_digit(*p) || *p == '/' || *p == '-')) ++p;
+      }
+      while (p != end && is_space(*p)) ++p;
+      if (!plain || p == end || *p != '\n') break;
+      if (wanted_) out_.add(corners[0], corners[1], corners[2]);
+      line = p + 1;
+    }
+    input_.consume_lines(static_cast<size_t>(line - text.data()), lines);
   }
 
   void read_face(std::string_view line) {

@@ -100,10 +100,12 @@ std::vector<SurfaceCounts> TiledFacets::counts() {
 
 // They are read once more, from their files.
 std::unique_ptr<FacetBins> TiledFacets::fill_bins(const TreeRange& range, bool again) {
-  const auto move = [&scene = scene_, moves = which_move(scene_)](const Facet& f, uint32_t layer) {
-    const uint32_t body = body_of_layer(layer);
-    return moves[body] ? moved(f, scene.bodies[body]) : f;
-  };
+  FacetBins::Move move;
+  if (const std::vector<bool> moves = which_move(scene_); std::ranges::count(moves, true) > 0)
+    move = [&scene = scene_, moves](const Facet& f, uint32_t layer) {
+      const uint32_t body = body_of_layer(layer);
+      return moves[body] ? moved(f, scene.bodies[body]) : f;
+    };
   const bool walls =
       std::ranges::any_of(bodies_.bodies, [](const BodyFacets& b) { return !b.closed.walls[0].empty() || !b.closed.walls[1].empty(); });
   uint64_t repeated = 0;
@@ -117,26 +119,24 @@ std::unique_ptr<FacetBins> TiledFacets::fill_bins(const TreeRange& range, bool a
     FacetBins::Origin origin;
     uint32_t patch;
   };
-  struct Batch {
-    std::vector<Facet> facets;
-    std::vector<Stretch> stretches;
-  };
   constexpr size_t kBatch = 4096;
-  Batch batch;
+  JobLists<Facet> lists;
+  std::shared_ptr<std::vector<Facet>> batch = lists.next();
+  std::vector<Stretch> stretches;  // of the batch
   Background background(threads_ > 1);
   const auto hand_on = [&] {
-    if (batch.stretches.empty()) return;
-    background.run([&bins, batch = std::exchange(batch, {})] {
-      const Facet* f = batch.facets.data();
-      for (const Stretch& s : batch.stretches)
+    if (stretches.empty()) return;
+    background.run([&bins, batch, stretches = std::exchange(stretches, {})] {
+      const Facet* f = batch->data();
+      for (const Stretch& s : stretches)
         for (size_t i = 0; i < s.facets; ++i) bins->add(*f++, s.layer, s.origin, s.patch);
     });
-    batch.facets.reserve(kBatch);
+    batch = lists.next();
   };
   const auto add = [&](std::span<const Facet> facets, uint32_t layer, FacetBins::Origin origin, uint32_t patch) {
-    if (!batch.facets.empty() && batch.facets.size() + facets.size() > kBatch) hand_on();
-    batch.facets.insert(batch.facets.end(), facets.begin(), facets.end());
-    batch.stretches.push_back({facets.size(), layer, origin, patch});
+    if (!batch->empty() && batch->size() + facets.size() > kBatch) hand_on();
+    batch->insert(batch->end(), facets.begin(), facets.end());
+    stretches.push_back({facets.size(), layer, origin, patch});
   };
   SharedTrees trees(budget_.bytes / 4);
   uint64_t done = 0;

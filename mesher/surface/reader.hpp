@@ -2,6 +2,7 @@
 // read. Private to the readers; others include read_facets.hpp.
 #pragma once
 #include <algorithm>
+#include <bit>
 #include <charconv>
 #include <cmath>
 #include <memory>
@@ -154,6 +155,45 @@ double text_coordinate(std::string_view word, const Input& input) {
   return v + 0.0;  // -0 is +0
 }
 
+// Appends the digits at `p` to `number`, which overflows with more than 19, and returns where they end.
+inline const char* take_digits(const char* p, const char* end, uint64_t& number) {
+  for (unsigned digit; p != end && (digit = static_cast<unsigned char>(*p) - unsigned{'0'}) <= 9; ++p) number = 10 * number + digit;
+  return p;
+}
+
+// The number at `p`, if it is one as nearly all are: digits that make a whole number up to 2^53, perhaps with a sign and with a point between them,
+// and then a blank or the end. Sets `v` to its value, rounded once, and returns where it ends; null for all others. Both the whole number and the
+// power of ten are doubles, so their quotient is rounded once (Clinger, "How to Read Floating Point Numbers Accurately", 1990). This takes
+// less than two thirds of the instructions of std::from_chars.
+inline const char* plain_number(const char* p, const char* end, double& v) {
+  static constexpr double kPowers[] = {1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18};
+  const bool minus = p != end && *p == '-';
+  p += minus;
+  uint64_t number = 0;
+  const char* const first = p;
+  p = take_digits(p, end, number);
+  const std::ptrdiff_t whole = p - first;
+  std::ptrdiff_t decimals = 0;
+  if (p != end && *p == '.') {
+    const char* const point = p++;
+    p = take_digits(p, end, number);
+    decimals = p - point - 1;
+    if (decimals == 0) return nullptr;
+  }
+  if (whole == 0 || whole + decimals > 19 || number > uint64_t{1} << 53 || (p != end && !is_blank(*p))) return nullptr;
+  v = static_cast<double>(number) / kPowers[decimals];
+  if (minus) v = -v;
+  return p;
+}
+// Half way between two floats a double may have been rounded to there, so it doesn't tell which of them is nearer. Of any other double it is known.
+inline const char* plain_number(const char* p, const char* end, float& v) {
+  double exact = 0;
+  const char* const stop = plain_number(p, end, exact);
+  if (!stop || (std::bit_cast<uint64_t>(exact) & 0x1fffffff) == 0x10000000) return nullptr;
+  v = static_cast<float>(exact);
+  return stop;
+}
+
 // Removes the next word of `line` and returns it as a coordinate. Nearly every word is a plain number, which takes one pass.
 template <class T>
 double next_coordinate(std::string_view& line, const Input& input) {
@@ -161,8 +201,13 @@ double next_coordinate(std::string_view& line, const Input& input) {
   const char* const end = p + line.size();
   while (p != end && is_blank(*p)) ++p;
   T v = 0;
-  const auto [stop, error] = std::from_chars(p, end, v);
-  if (error != std::errc{} || (stop != end && !is_blank(*stop)) || !is_coordinate(v)) return text_coordinate<T>(next_word(line), input);
+  const char* stop = plain_number(p, end, v);
+  if (!stop) {
+    const auto [at, error] = std::from_chars(p, end, v);
+    if (error != std::errc{} || (at != end && !is_blank(*at))) return text_coordinate<T>(next_word(line), input);
+    stop = at;
+  }
+  if (!is_coordinate(v)) return text_coordinate<T>(next_word(line), input);
   line = {stop, static_cast<size_t>(end - stop)};
   return v + 0.0;  // -0 is +0
 }

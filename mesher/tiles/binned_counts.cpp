@@ -21,11 +21,11 @@ void BinnedCounter::Bin::finish() {
   std::map<std::pair<uint32_t, uint32_t>, uint32_t> node_of;  // by body and shell within the bin
   for (const auto& [b, vertex] : shared_) {
     Body& body = all_.bodies_[b];
-    const auto [node, first] = body.nodes.try_emplace(vertex_hash(vertex).low, body.shells.size());
-    if (first) body.shells.add();
-    const auto [in_bin, first_of_shell] = node_of.try_emplace({b, counters_[b].shell_of(vertex)}, node->second);
+    const uint32_t node = body.nodes(vertex);
+    if (node == body.shells.size()) body.shells.add();
+    const auto [in_bin, first_of_shell] = node_of.try_emplace({b, counters_[b].shell_of(vertex)}, node);
     if (first_of_shell) --body.totals.shells;
-    else body.shells.join(node->second, in_bin->second);
+    else body.shells.join(node, in_bin->second);
   }
   for (auto& [b, counter] : counters_) {
     SurfaceCounts& totals = all_.bodies_[b].totals;

@@ -2,7 +2,6 @@
 #pragma once
 #include <map>
 #include <mutex>
-#include <unordered_map>
 
 #include "mesher/closing/surface_counts.hpp"
 #include "mesher/tiles/bins.hpp"
@@ -35,9 +34,9 @@ class BinnedCounter {
   // The shells within a bin that reach beyond it are nodes of a graph. A facet that lies in several bins joins the nodes of its
   // shell in these bins.
   struct Body {
-    SurfaceCounts totals;                           // of shells only those within one bin
-    std::unordered_map<uint64_t, uint32_t> nodes;  // of shared facets, by a hash of the first vertex
-    Groups shells;                                 // of nodes
+    SurfaceCounts totals;  // of shells only those within one bin
+    VertexNumbers nodes;   // of shared facets, by the first vertex
+    Groups shells;         // of nodes
   };
   const std::vector<bool> wanted_;
   std::mutex mutex_;

@@ -12,12 +12,32 @@ namespace {
 
 // The mean number of bins that a facet lies in, when facets are small compared with a bin.
 constexpr double kBinsOfAFacet = 1.2;
-constexpr size_t kPage = 4096;
+// The system would fill up partial pages of a file, which takes a fifth of the time of writing.
+size_t whole_pages(size_t bytes) {
+  constexpr size_t kPage = 4096;
+  return (bytes + kPage - 1) / kPage * kPage;
+}
 // The memory per facet of a loaded bin: its record, its place in the store, and what counting it takes.
 constexpr uint64_t kLoadedBytes = 200;
 // With more memory than this, bins become larger than caches, and some must be split after all: 25.6 million facets took 3 % more
 // processor time with 2 GB than with 256 MB, and wrote a quarter more.
 constexpr uint64_t kMostUseful = uint64_t{256} << 20;
+
+// The nine coordinates of a facet, each a T. Both return where they end.
+template <class T>
+uint8_t* put_coordinates(const Facet& facet, uint8_t* to) {
+  std::array<T, 9> all;
+  for (int i = 0; i < 9; ++i) all[i] = static_cast<T>(facet.vertex[i / 3][i % 3]);
+  std::memcpy(to, all.data(), sizeof all);
+  return to + sizeof all;
+}
+template <class T>
+const uint8_t* take_coordinates(const uint8_t* from, Facet& facet) {
+  std::array<T, 9> all;
+  std::memcpy(all.data(), from, sizeof all);
+  for (int i = 0; i < 9; ++i) facet.vertex[i / 3][i % 3] = all[i];
+  return from + sizeof all;
+}
 
 uint64_t expected_bytes(uint64_t facets, size_t record_bytes) {
   return static_cast<uint64_t>(kBinsOfAFacet * static_cast<double>(facets * record_bytes));
@@ -35,7 +55,7 @@ FacetBins::FacetBins(const Metadata& meta, uint64_t facets, uint64_t whole, bool
       most_facets_(std::max<uint64_t>(std::min(budget.bytes, kMostUseful) / 16 / kLoadedBytes, 1024)),
       move_(std::move(move)),
       file_(budget.folder, expected_bytes(whole, record_bytes_), expected_bytes(facets, record_bytes_) <= budget.bytes / 2),
-      root_{rays_.root(), true, 0, {}, {}, {}},
+      root_{.place = rays_.root()},
       writer_(own_writer) {
   // Starts with as many bins as are likely to be needed, if their buffers fit: a bin that must be split later is written twice.
   constexpr uint64_t kLeastBuffer = 4096;
@@ -62,7 +82,7 @@ void FacetBins::open_leaves(Bin& bin) const {
 void FacetBins::open_children(Bin& bin) const {
   for (uint32_t k = 0; k < kChildren; ++k) {
     const TreePlace child = bin.place.child(k);
-    bin.children.push_back({child, range_.has_any(child.depth, child.cu, child.cv), 0, {}, {}, {}});
+    bin.children.push_back({.place = child, .wanted = range_.has_any(child.depth, child.cu, child.cv)});
   }
 }
 
@@ -76,7 +96,8 @@ void FacetBins::add(const Facet& facet, uint32_t layer, Origin origin, uint32_t 
   const uint32_t tag = layer | (origin == kOfFile ? 0 : kNotOfFile) | (origin == kPlaced ? kInPlace : 0);
   std::array<uint8_t, 9 * sizeof(double) + 2 * sizeof(uint32_t)> record;
   encode(facet, tag, patch, {record.data(), record_bytes_});
-  put(root_, groups_of(rays_.range_of(placed(facet, tag), layer_in(tag))), {record.data(), record_bytes_});
+  Facet room;
+  put(root_, groups_of(rays_.range_of(placed(facet, tag, room), layer_in(tag))), {record.data(), record_bytes_});
 }
 
 void FacetBins::add(BinnedPart part) {
@@ -92,7 +113,8 @@ void FacetBins::add(BinnedPart part) {
 FacetBins::GroupRange FacetBins::groups_of(std::span<const uint8_t> record) const {
   uint32_t tag;
   const Facet facet = decode(record, tag);
-  if (!is_part(tag)) return groups_of(rays_.range_of(placed(facet, tag), layer_in(tag)));
+  Facet room;
+  if (!is_part(tag)) return groups_of(rays_.range_of(placed(facet, tag, room), layer_in(tag)));
   const BinnedPart& part = part_in(record);
   return groups_of(rays_.range_of({{part.lo, part.hi, part.hi}}, layer_in(tag)));
 }
@@ -113,9 +135,10 @@ void FacetBins::put(Bin& bin, const GroupRange& groups, std::span<const uint8_t>
   if (!bin.wanted) return;
   if (bin.children.empty()) {
     bin.facets += is_part(tag_in(record)) ? facets_here(bin.place, groups, part_in(record)) : 1;
-    if (bin.buffer.empty()) bin.buffer.reserve(buffer_bytes_ + kPage);
-    bin.buffer.insert(bin.buffer.end(), record.begin(), record.end());
-    if (bin.buffer.size() >= buffer_bytes_) flush(bin);
+    if (bin.buffer.empty()) bin.buffer.resize(whole_pages(buffer_bytes_));
+    std::memcpy(bin.buffer.data() + bin.buffered, record.data(), record.size());
+    bin.buffered += record.size();
+    if (bin.buffered >= buffer_bytes_) flush(bin);
     return;
   }
   const int shift = kFanOutBits * (bin.place.depth - 1);
@@ -136,10 +159,10 @@ void FacetBins::put(Bin& bin, const GroupRange& groups, std::span<const uint8_t>
 }
 
 void FacetBins::flush(Bin& bin) {
-  if (bin.buffer.empty()) return;
-  bin.extents.push_back({end_, bin.buffer.size(), checksum(bin.buffer)});
-  bin.buffer.resize((bin.buffer.size() + kPage - 1) / kPage *
-                    kPage);  // whole pages: the system would fill up partial ones, which takes a fifth of the time of writing
+  if (bin.buffered == 0) return;
+  bin.extents.push_back({end_, bin.buffered, checksum(std::span(bin.buffer).first(bin.buffered))});
+  bin.buffer.resize(whole_pages(bin.buffered));
+  bin.buffered = 0;
   end_ += bin.buffer.size();
   writer_.run([this, offset = bin.extents.back().offset, bytes = std::move(bin.buffer)] { file_.write(offset, bytes); });
   bin.buffer = {};
@@ -155,7 +178,7 @@ void FacetBins::split_large(Bin& bin) {
     flush(bin);
     if (bin.facets <= most_facets_ || bin.place.depth == 0) return;
     Bin whole = std::move(bin);
-    bin = {whole.place, true, 0, {}, {}, {}};
+    bin = {.place = whole.place};
     open_children(bin);
     writer_.finish();
     take_records(whole, [&](std::span<const uint8_t> record) { put(bin, groups_of(record), record); });
@@ -190,14 +213,15 @@ void FacetBins::take(const TreePlace& place, const std::function<void(const Binn
   take_records(bin, [&](std::span<const uint8_t> record) {
     uint32_t tag;
     const Facet facet = decode(record, tag);
+    Facet room;
     if (!is_part(tag)) {
-      const Facet moved = placed(facet, tag);
+      const Facet& moved = placed(facet, tag, room);
       const RayRange range = rays_.range_of(moved, layer_in(tag));
       return take_facet(facet, tag, patch_in(record), moved, range, groups_of(range));
     }
     const BinnedPart& part = part_in(record);
     part.read([&](const Facet& of_part) {
-      const Facet moved = placed(of_part, part.layer);
+      const Facet& moved = placed(of_part, part.layer, room);
       const RayRange range = rays_.range_of(moved, layer_in(part.layer));
       const GroupRange groups = groups_of(range);
       const bool here = groups.first_u >> shift <= place.cu && groups.last_u >> shift >= place.cu && groups.first_v >> shift <= place.cv &&
@@ -221,18 +245,7 @@ void FacetBins::take_records(Bin& bin, F&& f) {
 }
 
 void FacetBins::encode(const Facet& facet, uint32_t tag, uint32_t patch, std::span<uint8_t> record) const {
-  uint8_t* to = record.data();
-  for (const Vec3& p : facet.vertex)
-    for (const double x : p) {
-      if (float32_) {
-        const auto single = static_cast<float>(x);
-        std::memcpy(to, &single, sizeof single);
-        to += sizeof single;
-      } else {
-        std::memcpy(to, &x, sizeof x);
-        to += sizeof x;
-      }
-    }
+  uint8_t* const to = float32_ ? put_coordinates<float>(facet, record.data()) : put_coordinates<double>(facet, record.data());
   std::memcpy(to, &tag, sizeof tag);
   if (patches_) std::memcpy(to + sizeof tag, &patch, sizeof patch);
 }
@@ -257,19 +270,7 @@ uint32_t FacetBins::patch_in(std::span<const uint8_t> record) const {
 
 Facet FacetBins::decode(std::span<const uint8_t> record, uint32_t& tag) const {
   Facet facet;
-  const uint8_t* from = record.data();
-  for (Vec3& p : facet.vertex)
-    for (double& x : p) {
-      if (float32_) {
-        float single;
-        std::memcpy(&single, from, sizeof single);
-        x = single;
-        from += sizeof single;
-      } else {
-        std::memcpy(&x, from, sizeof x);
-        from += sizeof x;
-      }
-    }
+  const uint8_t* const from = float32_ ? take_coordinates<float>(record.data(), facet) : take_coordinates<double>(record.data(), facet);
   std::memcpy(&tag, from, sizeof tag);
   return facet;
 }

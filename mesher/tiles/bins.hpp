@@ -37,9 +37,9 @@ class FacetBins {
  public:
   using Move = std::function<Facet(const Facet&, uint32_t layer)>;
   // For about `facets` facets, `whole` of them surely not in parts, in single precision if `float32`. `move` transforms a facet to where the grid
-  // sees it. A loaded bin takes about a sixteenth of the budget, and so do all buffers together while bins are filled. With `own_writer` another
-  // thread writes to the disk. If all fits into half of the budget, it stays in memory. `widened` bodies as in rays.hpp. Facets that lie outside
-  // `range` alone are dropped. `patches`: facets keep theirs.
+  // sees it; none: all are there. A loaded bin takes about a sixteenth of the budget, and so do all buffers together while bins are filled. With
+  // `own_writer` another thread writes to the disk. If all fits into half of the budget, it stays in memory. `widened` bodies as in rays.hpp. Facets
+  // that lie outside `range` alone are dropped. `patches`: facets keep theirs.
   FacetBins(const Metadata& meta, uint64_t facets, uint64_t whole, bool float32, const Budget& budget, bool own_writer, Move move,
             std::vector<uint8_t> widened, const TreeRange& range = {}, bool patches = false);
 
@@ -66,7 +66,8 @@ class FacetBins {
     TreePlace place;
     bool wanted = true;  // it lies in the range, at least in part
     uint64_t facets = 0;
-    std::vector<uint8_t> buffer;
+    std::vector<uint8_t> buffer;  // the first `buffered` bytes are used
+    size_t buffered = 0;
     std::vector<Extent> extents;
     std::vector<Bin> children;  // none or kChildren
   };
@@ -91,7 +92,10 @@ class FacetBins {
   static constexpr uint32_t kNotOfFile = uint32_t{1} << 31, kInPlace = uint32_t{1} << 29;
   static bool is_part(uint32_t tag) { return (tag & (kNotOfFile | kInPlace)) == kInPlace; }
   static uint32_t layer_in(uint32_t tag) { return tag & ~(kNotOfFile | kIgnored | kInPlace); }
-  Facet placed(const Facet& facet, uint32_t tag) const { return tag & kInPlace ? facet : move_(facet, layer_in(tag)); }
+  // The facet as the grid sees it: itself, or in `room`.
+  const Facet& placed(const Facet& facet, uint32_t tag, Facet& room) const {
+    return tag & kInPlace || !move_ ? facet : room = move_(facet, layer_in(tag));
+  }
   void encode(const Facet& facet, uint32_t tag, uint32_t patch, std::span<uint8_t> record) const;
   Facet decode(std::span<const uint8_t> record, uint32_t& tag) const;
   uint32_t tag_in(std::span<const uint8_t> record) const;

@@ -29,6 +29,11 @@ class FacetStore {
   // Appends as many of `facets` as fit into the last piece, at least one, and returns their place. They stay there as long as
   // the store lives. One thread may append while others use facets that were returned.
   std::span<SceneFacet> append(std::span<const Facet> facets, uint32_t layer, uint32_t patch = 0);
+  // The same for one facet.
+  void append(const SceneFacet& facet) {
+    if (size_ % kPiece == 0) add_piece();
+    pieces_.back()[size_++ % kPiece] = facet;
+  }
   void append_all(std::span<const Facet> facets, uint32_t layer, uint32_t patch) {
     while (!facets.empty()) facets = facets.subspan(append(facets, layer, patch).size());
   }
@@ -49,6 +54,7 @@ class FacetStore {
   // Small, so that small scenes waste little memory. (Huge pages would save the page faults, a tenth of the time of reading. But
   // where the system must first make such a page, that costs several times as much.)
   static constexpr uint64_t kPiece = 4096;
+  void add_piece();
   std::vector<std::unique_ptr<SceneFacet[]>> pieces_;
   uint64_t size_ = 0;
 };

@@ -14,29 +14,28 @@ namespace teracell::mesher {
 // Finds rays by coordinate with a multiplication and a margin for its rounding error: never too few, seldom one too many.
 class RayBounds {
  public:
-  explicit RayBounds(const Axis& axis) : axis_(axis) {
-    if (axis.is_graded()) return;
+  explicit RayBounds(const Axis& axis) : axis_(axis), graded_(axis.is_graded()), rays_(static_cast<double>(axis.cells())) {
+    if (graded_) return;
+    origin_ = axis.origin();
     per_ray_ = 1 / axis.step();
     const double offset = static_cast<double>(axis.first()) + axis.sample(), n = static_cast<double>(axis.cells());
     const double margin = 0x1p-48 * (std::abs(axis.origin()) * per_ray_ + offset + n + 1);
     from_ = offset + margin;
     to_ = offset - margin;
   }
-  uint32_t first(double lo) const {
-    return axis_.is_graded() ? static_cast<uint32_t>(axis_.first_centre_from(lo)) : ceil((lo - axis_.origin()) * per_ray_ - from_);
-  }
-  uint32_t last(double hi) const {
-    return axis_.is_graded() ? static_cast<uint32_t>(axis_.first_centre_from(hi)) : ceil((hi - axis_.origin()) * per_ray_ - to_);
-  }
+  uint32_t first(double lo) const { return graded_ ? static_cast<uint32_t>(axis_.first_centre_from(lo)) : ceil((lo - origin_) * per_ray_ - from_); }
+  uint32_t last(double hi) const { return graded_ ? static_cast<uint32_t>(axis_.first_centre_from(hi)) : ceil((hi - origin_) * per_ray_ - to_); }
 
  private:
   uint32_t ceil(double t) const {
-    t = std::clamp(t, 0.0, static_cast<double>(axis_.cells()));
+    t = std::min(std::max(t, 0.0), rays_);  // std::clamp branches
     const auto whole = static_cast<int32_t>(t);
     return static_cast<uint32_t>(whole) + (t > whole);
   }
   const Axis& axis_;
-  double per_ray_ = 0, from_ = 0, to_ = 0;
+  const bool graded_;
+  const double rays_;
+  double origin_ = 0, per_ray_ = 0, from_ = 0, to_ = 0;
 };
 
 // The rays that a facet may meet: [u0, u1) x [v0, v1). Empty when the facet lies between rays.

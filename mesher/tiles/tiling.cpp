@@ -114,13 +114,14 @@ Tiling::Tiling(std::unique_ptr<FacetBins> bins, BinnedCounter* counter, int ahea
 Tiling::Node Tiling::load(const TreePlace& place) const {
   const auto store = std::make_shared<GridFacets>();
   NodeBuilder node(rays_);
+  node.expect(bins_->facets(place));
   std::optional<BinnedCounter::Bin> counts;
   if (counter_) counts.emplace(*counter_, bins_->facets(place));
   const bool kept = wanted(place);
   bins_->take(place, [&](const BinnedFacet& f, const Facet& moved, const RayRange& range) {
     if (counts) counts->add(f);
     if (!kept || range.empty()) return;
-    store->append({&moved, 1}, f.layer, f.patch);
+    store->append({moved, f.layer, f.patch});
     node.add(moved, range);
   });
   if (counts) counts->finish();

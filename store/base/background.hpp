@@ -1,11 +1,14 @@
 // Work that is handed to one other thread and done there in order: reading goes on while what was read is studied.
 #pragma once
+#include <array>
 #include <condition_variable>
 #include <deque>
 #include <exception>
 #include <functional>
+#include <memory>
 #include <mutex>
 #include <thread>
+#include <vector>
 
 namespace teracell::inline store {
 
@@ -32,6 +35,7 @@ class Background {
   }
 
   // Hands over a job. Waits while kMostWaiting such jobs have not begun.
+  static constexpr size_t kMostWaiting = 16;
   void run(Job job) {
     if (!thread_.joinable()) return job();
     wait([&] { return jobs_.size() < kMostWaiting; }, [&] { jobs_.push_back(std::move(job)); });
@@ -60,7 +64,6 @@ class Background {
 
  private:
   enum Busy { kIdle, kRun, kLater };
-  static constexpr size_t kMostWaiting = 16;
 
   template <class Ready, class Then>
   void wait(Ready&& ready, Then&& then) {
@@ -107,6 +110,24 @@ class Background {
   Busy busy_ = kIdle;
   bool closed_ = false;
   std::thread thread_;  // last: it uses the others
+};
+
+// Lists for jobs of Background::run(), one for each job, used again and again: pages that are new to each job took half of the time of reading.
+template <class T>
+class JobLists {
+ public:
+  // An empty list for the next job. REQUIRES: the job for the list before it was handed over.
+  std::shared_ptr<std::vector<T>> next() {
+    std::vector<T>& list = (*lists_)[turn_++ % lists_->size()];
+    list.clear();
+    return {lists_, &list};
+  }
+
+ private:
+  // When a job is handed over, as many may wait, the one before them may be at work, and one more list is filled.
+  using Lists = std::array<std::vector<T>, Background::kMostWaiting + 2>;
+  std::shared_ptr<Lists> lists_ = std::make_shared<Lists>();
+  size_t turn_ = 0;
 };
 
 }  // namespace teracell::store

@@ -10,6 +10,8 @@ using Catch::Contains;
 TEST_CASE("OBJ: every way to name a vertex") {
   const std::string vertices = "v 0 0 0 1.0\nv 1 0 0 0.1 0.2 0.3\nvt 0 0\nvn 0 0 1\nv 0 1 0\nv 0 0 0.5\n";
   CHECK(read(vertices + "f 1 3 2\nf 1/1 2/1 4/1\nf 1//1 4//1 3//1\nf -3/-1/-1 -2/1/1 -1/1/1 # the last\n").facets == tetrahedron());
+  CHECK(read(vertices + "f 1 3 2\nf 1/1  2/1\t4/1 \nf 1//1 4//1 3//1\r\nf -3 -2 -1").facets == tetrahedron());
+  CHECK(read(vertices + "f 1 3 2\nf 1 2 4\ng a\nf 1 4 3 # the third\nf 2 3 4\n").facets == tetrahedron());
   CHECK(read(vertices + "f 1 \\\n3 2\nf 1 2\\\r\n4\n# in C:\\\nf 1 4 3\nf 2 3 \\\n \\\n4").facets == tetrahedron());
 }
 
@@ -51,6 +53,9 @@ TEST_CASE("OBJ: what is decoration is skipped; lines, points and free-form parts
 TEST_CASE("OBJ: what is wrong is named with its line") {
   const auto with_face = [](const std::string& face) { return refusal("v 0 0 0\nv 1 0 0\nv 0 1 0\n" + face + "\nv 0 0 1\n"); };
   CHECK_THAT(with_face("f 1 2 0"), Contains("mesh: line 4: vertex 0 of a face"));
+  CHECK_THAT(with_face("f 1 2 3\nf 3/1 2/1 1/1\nf 3 2 1\nf 1 2 4"),
+             Contains("mesh: line 7: vertex 4 of a face: expected one of the 3 declared so far"));
+  CHECK_THAT(with_face("f 1 2 3\nf 1 2 3\nf 1 2"), Contains("mesh: line 6: expected a face of 3 or more vertices, found 2"));
   CHECK_THAT(with_face("f 1 2 4"), Contains("mesh: line 4: vertex 4 of a face: expected one of the 3 declared so far"));
   CHECK_THAT(with_face("f 1 2 -4"), Contains("mesh: line 4: vertex -4"));
   CHECK_THAT(with_face("f 1 2"), Contains("mesh: line 4: expected a face of 3 or more vertices, found 2"));

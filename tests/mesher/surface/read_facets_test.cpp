@@ -1,6 +1,8 @@
 // What a surface file may look like, what comes out of it, and what is said when it is none.
 #include <xxhash.h>
 
+#include <random>
+
 #include "tests/support/shared_files.hpp"
 #include "tests/support/surfaces.hpp"
 
@@ -99,6 +101,20 @@ TEST_CASE("Decimal text is rounded once, to the declared type") {
   };
   CHECK(ply_vertex("float") == 1.f + std::numeric_limits<float>::epsilon());
   CHECK(ply_vertex("double") == std::stod(above_middle));
+
+  std::mt19937_64 random(1);
+  std::vector<std::string> numbers = {"1.000000059604644775390625", "16777217",          "16777219", "9007199254740993",
+                                      "0.000000000000000001",       "9007199254740992.5"};
+  for (int i = 0; i < 3000; ++i) {  // of up to 20 digits, and near the middles of floats
+    std::string digits = i % 3 == 0 ? std::to_string((uint64_t{1} << 24) + random() % (1 << 24)) + "5" : std::to_string(random() >> random() % 60);
+    if (const size_t point = random() % (digits.size() + 1); point > 0 && point < digits.size()) digits.insert(point, ".");
+    numbers.push_back((random() % 2 == 0 ? "-" : "") + digits);
+  }
+  for (const std::string& number : numbers) {
+    CAPTURE(number);
+    REQUIRE(through_obj(number) == std::stod(number));
+    REQUIRE(through_stl(number) == std::stof(number));
+  }
 }
 
 TEST_CASE("Signs, exponents and points may be written in every usual way") {

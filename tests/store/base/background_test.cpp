@@ -67,3 +67,17 @@ TEST_CASE("what a job throws reaches the next call, and later jobs are not begun
     CHECK_FALSE(begun);
   }
 }
+
+TEST_CASE("a list of a job is not filled again before the job is done", "[background][threads]") {
+  Background work(true);
+  JobLists<int> lists;
+  int wrong = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const auto list = lists.next();
+    CHECK(list->empty());
+    list->assign(100, i);
+    work.run([&wrong, i, list] { wrong += std::ranges::count(*list, i) != 100; });
+  }
+  work.finish();
+  CHECK(wrong == 0);
+}
