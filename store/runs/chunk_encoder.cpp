@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "store/base/system/vector_units.hpp"
 #include "store/runs/chunk_walk.hpp"
 
 namespace teracell::inline store {
@@ -50,8 +51,10 @@ void ChunkEncoder::Scratch::put_exceptions(const RayBlock& b) {
   exceptions.clear();
   uint64_t count = 0;
   uint32_t next = 0;  // the ray after the last exception
-  for (uint32_t v = 0, ray = 0; v < b.nv; ++v) {
-    for (uint32_t u = 0; u < b.nu; ++u, ++ray) {
+  for (uint32_t v = 0; v < b.nv; ++v) {
+    const auto row = b.pattern.begin() + v * b.nu;
+    if (v > 0 && std::equal(row, row + b.nu, row - b.nu)) continue;  // each is as expected
+    for (uint32_t u = 0, ray = v * b.nu; u < b.nu; ++u, ++ray) {
       if (b.pattern[ray] == expected_pattern(b.pattern, b.nu, u, v)) continue;
       put_varint(gaps, ray - next);
       put_varint(exceptions, b.pattern[ray]);
@@ -83,17 +86,25 @@ void ChunkEncoder::Scratch::put_changes(const RayBlock& b) {
     const uint32_t* up = b.at.data() + b.begin[from - b.nu];
     const size_t start = narrow.size();
     narrow.resize(start + size);
-    uint8_t* out = narrow.data() + start;
-    const auto residual = [&](uint32_t i) { return zigzag(static_cast<int32_t>(at[i] - (at - n)[i] - up[i] + (up - n)[i])); };
+    uint8_t* const out = narrow.data() + start;
+    const auto residual_of = [](const uint32_t* change, const uint32_t* above, uint32_t changes, uint32_t i) TERACELL_IN_LINE {
+      return zigzag(static_cast<int32_t>(change[i] - (change - changes)[i] - above[i] + (above - changes)[i]));
+    };
     uint32_t widest = 0;
-    for (uint32_t i = 0; i < size; ++i) {
-      const uint32_t r = residual(i);
-      widest = std::max(widest, r);
-      out[i] = static_cast<uint8_t>(std::min<uint32_t>(r, kEscape));
-    }
+    on_vector_unit([&]() TERACELL_IN_LINE {
+      const uint32_t *const change = at, *const above = up, changes = n, end = size;
+      uint8_t* __restrict const bytes = out;
+      uint32_t most = 0;
+      for (uint32_t i = 0; i < end; ++i) {
+        const uint32_t r = residual_of(change, above, changes, i);
+        most = std::max(most, r);
+        bytes[i] = static_cast<uint8_t>(std::min<uint32_t>(r, kEscape));
+      }
+      widest = most;
+    });
     if (widest < kEscape) return;
     for (uint32_t i = 0; i < size; ++i)
-      if (out[i] == kEscape) put_varint(wide, residual(i) - kEscape);
+      if (out[i] == kEscape) put_varint(wide, residual_of(at, up, n, i) - kEscape);
   };
   walk(b, one, plane);
   append(narrow);
