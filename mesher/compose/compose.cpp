@@ -33,17 +33,27 @@ bool sort_crossings(std::span<uint64_t> c) {
   return Crossing::layer(mixed) == 0;
 }
 
-// Whether the crossings of a ray are sorted, of one layer and no marks, up and down by turns, in cells that are all different and not the
-// first one. Then each is a change, whatever the fill rule.
-bool by_turns(std::span<const uint64_t> c, uint32_t length) {
-  if (c.empty() || c.size() % 2 != 0 || Crossing::cell(c[0]) == 0 || Crossing::cell(c.back()) >= length || Crossing::is_mark(c[0])) return false;
-  uint32_t differences = 0;
-  bool ascending = true;
-  for (size_t i = 1; i < c.size(); ++i) {
-    differences |= static_cast<uint32_t>(c[i] ^ c[i - 1]) ^ 1;  // of layer, mark and direction: all but the direction
-    ascending &= Crossing::cell(c[i]) > Crossing::cell(c[i - 1]);
+// Goes through `rays` rays of n crossings each as long as those of a ray are sorted, all of the layer of the first and no marks, up and down
+// by turns, in cells that are all different and not the first one. Then each crossing is a change, whatever the fill rule. Writes the changes
+// at `at`, adds the cells between them to `cells`, and returns how many rays are so. There is no branch but one for each ray.
+template <class Count>
+uint32_t take_turns(const uint64_t* c, Count n, uint32_t rays, uint32_t length, uint32_t* at, int64_t& cells) {
+  const auto layer = static_cast<uint32_t>(c[0]) & ~1u;
+  for (uint32_t ray = 0; ray < rays; ++ray, c += n, at += n) {
+    uint32_t before = at[0] = Crossing::cell(c[0]), differences = (static_cast<uint32_t>(c[0]) ^ layer) & ~1u;
+    bool ascending = before > 0;
+    int64_t within = -int64_t{before};
+    for (uint32_t i = 1; i < n; ++i) {
+      differences |= static_cast<uint32_t>(c[i] ^ c[i - 1]) ^ 1;  // of layer, mark and direction: all but the direction
+      const uint32_t cell = at[i] = Crossing::cell(c[i]);
+      ascending &= cell > before;
+      within += i % 2 == 0 ? -int64_t{cell} : int64_t{cell};
+      before = cell;
+    }
+    if (differences != 0 || !ascending || before >= length) return ray;
+    cells += within;
   }
-  return differences == 0 && ascending;
+  return rays;
 }
 
 }  // namespace
@@ -121,44 +131,60 @@ void Composer::note_pairs(std::span<const uint64_t> crossings, uint32_t length) 
 }
 
 void Composer::compose(Crossings& crossings, uint32_t nu, uint32_t nv, uint32_t length, RayBlock& out) {
-  out.reset(nu, nv, length);
-  out.pattern.resize(out.rays());
-  out.begin.resize(out.rays() + 1);
-  out.at.resize(crossings.all.size());  // as many changes at most
+  out.reset_in_place(nu, nv, length, crossings.all.size());  // as many changes at most
   alternating_.assign(2, {});
   pairs_.clear();
   overlaps_.begin_tile(nu);
   uint32_t* at = out.at.data();
-  for (uint32_t ray = 0; ray < out.rays(); ++ray) {
-    ray_ = ray;
-    const std::span<uint64_t> all(crossings.all.data() + crossings.begin[ray], crossings.begin[ray + 1] - crossings.begin[ray]);
-    if (by_turns(all, length) && bodies_[layers_[Crossing::layer(all[0])].body].label != 0) {
-      compose_turns(all, at, out.pattern[ray], out.patterns);
-      out.begin[ray + 1] = static_cast<uint32_t>(at - out.at.data());
-      continue;
-    }
-    const bool one_layer = sort_crossings(all);
-    const bool simple = one_layer && (all.empty() || bodies_[layers_[Crossing::layer(all[0])].body].label != 0);
-    const size_t open =
-        simple ? compose_one_layer(all, length, at, out.pattern[ray], out.patterns) : compose_any(all, length, at, out.pattern[ray], out.patterns);
-    if (open != 0)
-      throw Error(fmt::format("ray {}, {} of a tile ends inside {} of its surfaces: the crossings are inconsistent", ray % nu, ray / nu, open));
-    out.begin[ray + 1] = static_cast<uint32_t>(at - out.at.data());
+  const uint32_t rays = out.rays();
+  for (uint32_t ray = 0; ray < rays;) {
+    const uint32_t first = ray, n = crossings.begin[ray + 1] - crossings.begin[ray];
+    while (ray < rays && crossings.begin[ray + 1] - crossings.begin[ray] == n) ++ray;
+    compose_alike(crossings, first, ray, length, at, out);
   }
   out.at.resize(at - out.at.data());
 }
 
-// Most rays with crossings are like that, and take half the time of compose_one_layer().
-void Composer::compose_turns(std::span<const uint64_t> all, uint32_t*& at, uint32_t& pattern, PatternTable& patterns) {
-  int64_t cells = 0;
-  for (size_t i = 0; i < all.size(); i += 2) {
-    const uint32_t from = Crossing::cell(all[i]), to = Crossing::cell(all[i + 1]);
-    cells += to - from;
-    *at++ = from, *at++ = to;
+void Composer::compose_alike(Crossings& crossings, uint32_t from, uint32_t to, uint32_t length, uint32_t*& at, RayBlock& out) {
+  const uint32_t n = crossings.begin[from + 1] - crossings.begin[from];
+  while (from < to) {
+    const uint32_t simple = compose_turns(crossings.all.data() + crossings.begin[from], n, to - from, length, at, out.patterns);
+    if (simple > 0) {
+      std::fill_n(out.pattern.begin() + from, simple, turns_);
+      auto end = static_cast<uint32_t>(at - out.at.data());
+      for (const uint32_t last = from + simple; from < last; ++from) out.begin[from + 1] = end += n;
+      at = out.at.data() + end;
+      continue;
+    }
+    const std::span<uint64_t> all(crossings.all.data() + crossings.begin[from], n);
+    ray_ = from;
+    const size_t open = sort_crossings(all) && bodies_[layers_[Crossing::layer(all[0])].body].label != 0
+                            ? compose_one_layer(all, length, at, out.pattern[from], out.patterns)
+                            : compose_any(all, length, at, out.pattern[from], out.patterns);
+    if (open != 0)
+      throw Error(
+          fmt::format("ray {}, {} of a tile ends inside {} of its surfaces: the crossings are inconsistent", from % out.nu, from / out.nu, open));
+    out.begin[++from] = static_cast<uint32_t>(at - out.at.data());
   }
-  Body& body = meet(layers_[Crossing::layer(all[0])].body);
+}
+
+// Most rays with crossings are like that.
+uint32_t Composer::compose_turns(const uint64_t* c, uint32_t n, uint32_t rays, uint32_t length, uint32_t* at, PatternTable& patterns) {
+  if (n == 0) {
+    turns_ = alternating_pattern(0, false, 0, patterns);
+    return rays;
+  }
+  const uint32_t number = layers_[Crossing::layer(c[0])].body;
+  if (n % 2 != 0 || bodies_[number].label == 0 || Crossing::is_mark(c[0])) return 0;
+  int64_t cells = 0;
+  const uint32_t simple = n == 2   ? take_turns(c, std::integral_constant<uint32_t, 2>(), rays, length, at, cells)
+                          : n == 4 ? take_turns(c, std::integral_constant<uint32_t, 4>(), rays, length, at, cells)
+                                   : take_turns(c, n, rays, length, at, cells);
+  if (simple == 0) return 0;
+  Body& body = meet(number);
   body.owned += cells, body.within += cells;
-  pattern = alternating_pattern(body.label, false, all.size(), patterns);
+  turns_ = alternating_pattern(body.label, false, n, patterns);
+  return simple;
 }
 
 // The pattern for a label, for how the ray begins, and for the number of changes, is looked up once.

@@ -59,8 +59,10 @@ class Composer {
     Label label = 0;
     uint32_t pattern = ~0u;
   };
-  // REQUIRES: by_turns(all), and a body that is not the background.
-  void compose_turns(std::span<const uint64_t> all, uint32_t*& at, uint32_t& pattern, PatternTable& patterns);
+  // The rays [from, to) have as many crossings each. Writes their changes at `at`.
+  void compose_alike(Crossings& crossings, uint32_t from, uint32_t to, uint32_t length, uint32_t*& at, RayBlock& out);
+  // The first of `rays` rays of n crossings each whose crossings are all changes, of one body: returns how many, and sets their pattern.
+  uint32_t compose_turns(const uint64_t* c, uint32_t n, uint32_t rays, uint32_t length, uint32_t* at, PatternTable& patterns);
   uint32_t alternating_pattern(Label label, bool begins_inside, size_t changes, PatternTable& patterns);
   // Both write the changes of a ray at `at`, set its pattern, and return how many layers are still open at its end.
   size_t compose_one_layer(std::span<const uint64_t> all, uint32_t length, uint32_t*& at, uint32_t& pattern, PatternTable& patterns);
@@ -87,6 +89,7 @@ class Composer {
   TileOverlaps overlaps_;
   int open_ = 0;                 // layers that the ray is inside of
   uint32_t ray_ = 0;             // the one that is being composed
+  uint32_t turns_ = 0;           // the pattern of the rays of compose_turns()
   std::vector<CrossingPairs> pairs_;
   std::vector<SetId> sets_;
   std::vector<std::vector<Alternating>> alternating_;  // [begins inside][number of changes]

@@ -1,10 +1,12 @@
 #include "mesher/engines/height.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "mesher/engines/predicates.hpp"
 #include "mesher/engines/sub_position.hpp"
+#include "store/base/system/vector_units.hpp"
 
 namespace teracell::mesher {
 
@@ -69,13 +71,36 @@ void FacetHeight::first_cells(std::span<const double> u, double v, uint32_t* cel
   if (!axis_.is_graded() && cell_slack_ < 0.25) {
     constexpr double kRound = 0x1.8p52;  // adding and subtracting it rounds to the nearest integer
     const double most = static_cast<double>(axis_.cells()) - 0.5, min = axis_.origin();
-    const auto height = [&](double ray) { return std::clamp((base + gu_ * (ray - u0_) - min) * per_cell_ - offset_, -0.5, most); };
+    const auto height = [=, this](double ray)
+                            TERACELL_IN_LINE { return std::clamp((base + gu_ * (ray - u0_) - min) * per_cell_ - offset_, -0.5, most); };
     double closest = 1;
-    for (size_t i = 0; i < u.size(); ++i) {
-      const double t = height(u[i]), r = (t + kRound) - kRound;
-      cells[i] = static_cast<uint32_t>(static_cast<int32_t>(r) + (t > r));
-      closest = std::min(closest, std::abs(t - r));
-    }
+    on_vector_unit([=, &u, &closest]() TERACELL_IN_LINE {
+      // Most rows are no longer than two or three vectors, so what is left of them is no loop of its own: the last block overlaps the one before.
+      constexpr size_t kBlock = 8;
+      const double* const rays = u.data();
+      const size_t size = u.size();
+      std::array<double, kBlock> near;
+      near.fill(1);
+      const auto block = [&](size_t begin, size_t width) TERACELL_IN_LINE {
+        for (size_t j = 0; j < width; ++j) {
+          const double t = height(rays[begin + j]), r = (t + kRound) - kRound;
+          cells[begin + j] = static_cast<uint32_t>(static_cast<int32_t>(r) + (t > r));
+          near[j] = std::min(near[j], std::abs(t - r));
+        }
+      };
+      if (size >= kBlock) {
+        for (size_t i = 0; i + kBlock <= size; i += kBlock) block(i, kBlock);
+        if (size % kBlock != 0) block(size - kBlock, kBlock);
+      } else if (size >= kBlock / 2) {
+        block(0, kBlock / 2);
+        block(size - kBlock / 2, kBlock / 2);
+      } else {
+        block(0, size);
+      }
+      for (size_t half = kBlock / 2; half > 0; half /= 2)
+        for (size_t j = 0; j < half; ++j) near[j] = std::min(near[j], near[j + half]);
+      closest = near[0];
+    });
     if (closest > cell_slack_) return;
     for (size_t i = 0; i < u.size(); ++i) {
       const double t = height(u[i]), r = (t + kRound) - kRound;

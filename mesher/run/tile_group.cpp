@@ -18,7 +18,7 @@ void TileGroupWork::make_row(uint32_t row, Worker& worker) {
 
 void TileGroupWork::make_chunk(uint32_t i, std::span<const SceneFacet* const> facets, Worker& worker) {
   const uint32_t cu = group_.cu * kFanOut + i % kFanOut, cv = group_.cv * kFanOut + i / kFanOut, nu = shape_.rays_u(cu), nv = shape_.rays_v(cv);
-  Chunk fine{{}, SetTable(static_cast<uint32_t>(meta_.labels.size()))};
+  Chunk& fine = worker.fine;
   if (facets.empty() && !worker.engine->searches_scene()) {  // most tiles of a large grid
     fine.rays.fill(nu, nv, shape_.nw, 0);
   } else {
@@ -26,6 +26,7 @@ void TileGroupWork::make_chunk(uint32_t i, std::span<const SceneFacet* const> fa
     Tile tile{f, {}, {}, &meta_.grid.axis[f.w]};
     const int64_t first_u = int64_t{cu} * shape_.chunk_rays, first_v = int64_t{cv} * shape_.chunk_rays;
     const Box cells = f.box({first_u, first_v, 0}, {first_u + nu, first_v + nv, shape_.nw});
+    tile.u.reserve(nu), tile.v.reserve(nv);
     for (uint32_t u = 0; u < nu; ++u) tile.u.push_back(meta_.grid.axis[f.u].centre(first_u + u));
     for (uint32_t v = 0; v < nv; ++v) tile.v.push_back(meta_.grid.axis[f.v].centre(first_v + v));
     const auto solids = worker.marker.solids(facets);

@@ -24,7 +24,8 @@ struct Worker {
       : engine(std::move(by)),
         marker(scene, meta, labels, options.thin),
         composer(layers, labels.rank, labels.of_body, labels.of_overlap, meta.ray_axis),
-        adder(meta) {
+        adder(meta),
+        fine{{}, SetTable(static_cast<uint32_t>(meta.labels.size()))} {
     if (options.fractions) fractions.emplace(layers, labels, meta, *options.fractions);
     if (options.links) links.emplace(scene, layers, labels, meta);
   }
@@ -35,6 +36,7 @@ struct Worker {
   ChunkEncoder encoder;
   LabelsAdder adder;
   Crossings crossings;
+  Chunk fine;  // the chunk of level 0 that is being made
   std::optional<FractionCounter> fractions;
   bool sums_shares = false;  // of labels, for the volumes of bodies with exact surfaces; it takes 4 % of such a run
   MixedCells mixed, mixed_part;

@@ -94,10 +94,14 @@ LabelsSum LabelsAdder::sum(const Index3& first, const RayBlock& b) const {
       const uint32_t* at = b.at.data() + b.begin[size_t{v} * b.nu + u];
       for (uint32_t i = 0; i < n; ++i) {
         Product products = 0;
-        for (uint32_t ray = u; ray < stop; ++ray) {
-          const uint64_t x = from_w + at[i + size_t{n} * (ray - u)];
-          products += Product{of_u[ray]} * (small ? along_w.low[x] : along_w.at(static_cast<int64_t>(x)));
-          if ((ray - u) % kMostProducts == kMostProducts - 1) products = reduced(products);
+        const uint32_t* x = at + i;
+        for (uint32_t ray = u; ray < stop;) {
+          const uint32_t some = std::min(stop, ray + kMostProducts);
+          products = reduced(products);
+          if (small)
+            for (const uint64_t* low = along_w.low.data() + from_w; ray < some; ++ray, x += n) products += Product{of_u[ray]} * low[*x];
+          else
+            for (; ray < some; ++ray, x += n) products += Product{of_u[ray]} * along_w.at(static_cast<int64_t>(from_w + *x));
         }
         row = plus(row, times(minus(keys_[sets[i]], keys_[sets[i + 1]]), reduced(products)));
       }

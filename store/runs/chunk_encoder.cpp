@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "store/base/system/vector_units.hpp"
 #include "store/runs/chunk_walk.hpp"
 
 namespace teracell::inline store {
@@ -53,7 +54,7 @@ void ChunkEncoder::Scratch::put_exceptions(const RayBlock& b) {
   uint32_t next = 0;  // the ray after the last exception
   for (uint32_t v = 0; v < b.nv; ++v) {
     const auto row = b.pattern.begin() + ptrdiff_t{v} * b.nu;
-    if (v > 0 && std::equal(row, row + b.nu, row - b.nu)) continue;
+    if (v > 0 && std::equal(row, row + b.nu, row - b.nu)) continue;  // each is as expected
     for (uint32_t u = 0, ray = v * b.nu; u < b.nu; ++u, ++ray) {
       if (b.pattern[ray] == expected_pattern(b.pattern, b.nu, u, v)) continue;
       put_varint(gaps, ray - next);
@@ -84,18 +85,26 @@ void ChunkEncoder::Scratch::put_changes(const RayBlock& b) {
     const uint32_t n = b.begin[from + 1] - b.begin[from], rays = to - from, size = n * rays;
     const uint32_t* at = b.at.data() + b.begin[from];
     const uint32_t* up = b.at.data() + b.begin[from - b.nu];
-    const auto residual = [&](uint32_t i) { return zigzag(static_cast<int32_t>(at[i] - (at - n)[i] - up[i] + (up - n)[i])); };
     const size_t start = narrow.size();
     narrow.resize(start + size);
     along.resize(size);
     uint8_t* out = narrow.data() + start;
-    uint8_t* in_turn = n == 1 ? out : along.data();
+    uint8_t* const in_turn = n == 1 ? out : along.data();
+    const auto residual_of = [](const uint32_t* change, const uint32_t* above, uint32_t changes, uint32_t i) TERACELL_IN_LINE {
+      return zigzag(static_cast<int32_t>(change[i] - (change - changes)[i] - above[i] + (above - changes)[i]));
+    };
     uint32_t widest = 0;
-    for (uint32_t i = 0; i < size; ++i) {
-      const uint32_t r = residual(i);
-      widest = std::max(widest, r);
-      in_turn[i] = static_cast<uint8_t>(std::min<uint32_t>(r, kEscape));
-    }
+    on_vector_unit([&]() TERACELL_IN_LINE {
+      const uint32_t *const change = at, *const above = up, changes = n, end = size;
+      uint8_t* __restrict const bytes = in_turn;
+      uint32_t most = 0;
+      for (uint32_t i = 0; i < end; ++i) {
+        const uint32_t r = residual_of(change, above, changes, i);
+        most = std::max(most, r);
+        bytes[i] = static_cast<uint8_t>(std::min<uint32_t>(r, kEscape));
+      }
+      widest = most;
+    });
     // The residuals of one change after those of the other. Most rays have two, and a stride that the compiler knows is one for vectors.
     if (n == 2)
       for (uint32_t ray = 0; ray < rays; ++ray) out[ray] = along[2 * ray], out[rays + ray] = along[2 * ray + 1];
@@ -105,7 +114,7 @@ void ChunkEncoder::Scratch::put_changes(const RayBlock& b) {
     if (widest < kEscape) return;
     for (uint32_t change = 0; change < n; ++change)
       for (uint32_t i = change; i < size; i += n)
-        if (const uint32_t r = residual(i); r >= kEscape) put_varint(wide, r - kEscape);
+        if (const uint32_t r = residual_of(at, up, n, i); r >= kEscape) put_varint(wide, r - kEscape);
   };
   walk(b, one, plane);
   put_groups();

@@ -75,10 +75,16 @@ void walk(const RayBlock& b, One&& one, Plane&& plane) {
         ++u;
         continue;
       }
-      uint32_t end = u + 1;  // within the stretch, the left and the upper left neighbours match by themselves
-      while (end < b.nu && b.begin[v * b.nu + end + 1] - b.begin[v * b.nu + end] == n &&
-             b.begin[(v - 1) * b.nu + end + 1] - b.begin[(v - 1) * b.nu + end] == n)
-        ++end;
+      // Within the stretch, the left and the upper left neighbours match by themselves.
+      const uint32_t *row = b.begin.data() + v * b.nu, *above = row - b.nu;
+      const auto differ = [&](uint32_t at) { return ((row[at + 1] - row[at]) ^ n) | ((above[at + 1] - above[at]) ^ n); };
+      uint32_t end = u + 1;
+      for (constexpr uint32_t kSome = 8; end + kSome <= b.nu; end += kSome) {  // many at once, by vectors
+        uint32_t any = 0;
+        for (uint32_t i = 0; i < kSome; ++i) any |= differ(end + i);
+        if (any != 0) break;
+      }
+      while (end < b.nu && differ(end) == 0) ++end;
       plane(ray, v * b.nu + end);
       u = end;
     }

@@ -4,10 +4,25 @@
 #include <array>
 #include <utility>
 
+#include "store/base/system/vector_units.hpp"
+
 namespace teracell::inline store {
 namespace {
 
-constexpr size_t kMostMerged = 16;  // rays that become one: 4 x 4, two levels up
+constexpr size_t kMostWidth = 4, kMostMerged = kMostWidth * kMostWidth;  // of the rays that become one: 4 x 4, two levels up
+
+// The least and the greatest of the numbers at each place of some rows of `size` numbers.
+void extremes(std::span<const uint32_t* const> rows, size_t size, uint32_t* least, uint32_t* most) {
+  on_vector_unit([=]() TERACELL_IN_LINE {
+    std::copy_n(rows[0], size, least);
+    std::copy_n(rows[0], size, most);
+    for (const uint32_t* row : rows.subspan(1))
+      for (size_t i = 0; i < size; ++i) {
+        least[i] = std::min(least[i], row[i]);
+        most[i] = std::max(most[i], row[i]);
+      }
+  });
+}
 
 // Makes one coarse ray at a time. Rays of equal pattern are merged first, run by run: as long as the parts of run i of all
 // rays touch, it covers the coarse cells from its least start to its greatest end, and both ascend with i. Most groups of
@@ -38,7 +53,74 @@ class CoarseRay {
     out.append(labels_, changes_);
   }
 
+  // Appends the rays that the fine rays [u, end) of `rows` rows from v on become, all of which have the same pattern. Row by row, and so by
+  // vectors, the least and the greatest of each change are found. Where all changes lie apart, in the coarse ray each run is followed by
+  // cells with both it and the next one, and nothing is left to be swept.
+  void merge_stretch(uint32_t u, uint32_t end, uint32_t v, uint32_t rows, RayBlock& out) {
+    const uint32_t pattern = fine_.pattern[v * fine_.nu + u], n = fine_.patterns.changes(pattern), width = 1u << shift_;
+    Apart& apart = apart_of(pattern);
+    std::array<const uint32_t*, kMostWidth> row;
+    for (uint32_t y = 0; y < rows; ++y) row[y] = fine_.at.data() + fine_.begin[(v + y) * fine_.nu + u];
+    const size_t size = size_t{n} * (end - u);
+    least_.resize(size);
+    most_.resize(size);
+    places_.resize(size_t{2} * n);
+    extremes({row.data(), rows}, size, least_.data(), most_.data());
+    for (size_t first = 0; u < end; u += width, first += size_t{n} * width) {
+      const size_t last = std::min(first + size_t{n} * width, size);
+      uint32_t before = 0;
+      bool lie_apart = true;
+      for (uint32_t i = 0; i < n; ++i) {
+        uint32_t least = least_[first + i], most = most_[first + i];
+        for (size_t k = first + n + i; k < last; k += n) {
+          least = std::min(least, least_[k]);
+          most = std::max(most, most_[k]);
+        }
+        const uint32_t from = least >> shift_, to = ((most - 1) >> shift_) + 1;  // the cells with both runs
+        lie_apart &= before < from && from < to;
+        places_[2 * i] = from, places_[2 * i + 1] = before = to;
+      }
+      if (n == 0 || (lie_apart && before <= last_)) {
+        if (apart.pattern == ~0u) apart.pattern = out.patterns.intern(apart.sets);
+        for (const uint32_t k : apart.kept) out.at.push_back(places_[k]);
+        out.pattern.push_back(apart.pattern);
+        out.begin.push_back(static_cast<uint32_t>(out.at.size()));
+      } else {
+        merge_group(u, v, rows, true, out);
+      }
+    }
+  }
+
+  // The same for the one that `rows` x 2^shift rays become.
+  void merge_group(uint32_t u, uint32_t v, uint32_t rows, bool one_pattern, RayBlock& out) {
+    std::array<uint32_t, kMostMerged> rays;
+    uint32_t count = 0;
+    for (uint32_t y = v; y < v + rows; ++y)
+      for (uint32_t x = u; x < std::min(u + (1u << shift_), fine_.nu); ++x) rays[count++] = y * fine_.nu + x;
+    merge({rays.data(), count}, one_pattern, out);
+  }
+
  private:
+  // What rays of a pattern become whose changes lie apart.
+  struct Apart {
+    uint32_t pattern = ~0u;   // ~0: no ray has it yet
+    std::vector<SetId> sets;  // of the pattern; empty: not known yet
+    std::vector<uint32_t> kept;  // of the ends of the stretches of cells with two runs, those where the set changes
+  };
+  Apart& apart_of(uint32_t pattern) {
+    if (apart_.size() <= pattern) apart_.resize(pattern + 1);
+    Apart& a = apart_[pattern];
+    if (!a.sets.empty()) return a;
+    const auto runs = fine_.patterns.sets(pattern);
+    a.sets.assign(1, runs[0]);
+    for (uint32_t i = 1; i < runs.size(); ++i)
+      for (const uint32_t k : {2 * i - 2, 2 * i - 1}) {
+        const SetId set = k % 2 == 0 ? sets_.unite(runs[i - 1], runs[i]) : runs[i];
+        if (set != a.sets.back()) a.sets.push_back(set), a.kept.push_back(k);
+      }
+    return a;
+  }
+
   struct Event {
     uint32_t at;
     SetId set;
@@ -168,7 +250,8 @@ class CoarseRay {
   const int shift_;
   const uint32_t last_;  // the last coarse cell
   SetTable& sets_;
-  std::vector<uint32_t> lo_, hi_, seen_, changes_;
+  std::vector<uint32_t> lo_, hi_, seen_, changes_, least_, most_, places_;
+  std::vector<Apart> apart_;  // of each pattern
   std::vector<uint8_t> touch_;
   std::vector<SetId> labels_;
   std::vector<Event> events_;
@@ -217,18 +300,27 @@ Chunk coarsen(const Chunk& chunk, int shift) {
     out.fill(out.nu, out.nv, out.length, fine.patterns.sets(0)[0]);
     return coarse;
   }
+  out.pattern.reserve(out.rays());
+  out.begin.reserve(out.rays() + 1);
+  out.at.reserve((fine.at.size() >> (2 * shift)) * 3);  // a change mostly becomes two
   CoarseRay ray(fine, shift, coarse.sets);
-  std::array<uint32_t, kMostMerged> rays;
+  std::vector<uint32_t> differ(fine.nu);  // from the ray of the first row
   for (uint32_t v = 0; v < fine.nv; v += width) {
-    for (uint32_t u = 0; u < fine.nu; u += width) {
-      uint32_t count = 0, differ = 0;
-      const uint32_t first = fine.pattern[v * fine.nu + u];
-      for (uint32_t y = v; y < std::min(v + width, fine.nv); ++y)
-        for (uint32_t x = u; x < std::min(u + width, fine.nu); ++x) {
-          rays[count++] = y * fine.nu + x;
-          differ |= fine.pattern[y * fine.nu + x] ^ first;
-        }
-      ray.merge({rays.data(), count}, differ == 0, out);
+    const uint32_t rows = std::min(width, fine.nv - v);
+    const uint32_t* top = fine.pattern.data() + size_t{v} * fine.nu;
+    std::ranges::fill(differ, 0);
+    for (uint32_t y = 1; y < rows; ++y)
+      for (uint32_t u = 0; u < fine.nu; ++u) differ[u] |= top[size_t{y} * fine.nu + u] ^ top[u];
+    const auto has_pattern = [&](uint32_t u, uint32_t pattern) {  // all rays that become one
+      uint32_t any = 0;
+      for (uint32_t x = u; x < std::min(u + width, fine.nu); ++x) any |= differ[x] | (top[x] ^ pattern);
+      return any == 0;
+    };
+    for (uint32_t u = 0; u < fine.nu;) {
+      const uint32_t first = u;
+      while (u < fine.nu && has_pattern(u, top[first])) u += width;
+      if (u > first) ray.merge_stretch(first, std::min(u, fine.nu), v, rows, out);
+      else ray.merge_group(u, v, rows, false, out), u += width;
     }
   }
   return coarse;

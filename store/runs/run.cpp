@@ -14,6 +14,17 @@ void RayBlock::reset(uint32_t new_nu, uint32_t new_nv, uint32_t new_length) {
   at.clear();
 }
 
+void RayBlock::reset_in_place(uint32_t new_nu, uint32_t new_nv, uint32_t new_length, size_t changes) {
+  nu = new_nu;
+  nv = new_nv;
+  length = new_length;
+  patterns.clear();
+  pattern.resize(rays());
+  begin.resize(rays() + 1);
+  begin[0] = 0;
+  at.resize(changes);
+}
+
 void RayBlock::fill(uint32_t new_nu, uint32_t new_nv, uint32_t new_length, SetId set) {
   reset(new_nu, new_nv, new_length);
   patterns.intern({&set, 1});
@@ -45,20 +56,23 @@ Chunk join(std::span<const Piece> pieces, uint32_t labels) {
   }
   out.rays.reset(nu, nv, length);
   out.sets = SetTable(labels);
+  out.rays.pattern.reserve(out.rays.rays());
+  out.rays.begin.reserve(out.rays.rays() + 1);
   // Sorted by place: row by row, and within a row by piles, which are the pieces along the same rays.
   std::vector<Piece> order(pieces.begin(), pieces.end());
   std::ranges::sort(order, [](const Piece& a, const Piece& b) { return std::tie(a.v, a.u, a.w) < std::tie(b.v, b.u, b.w); });
   struct Source {
     Piece piece;
     std::vector<std::vector<SetId>> patterns;  // of the piece, in the ids of `out`
+    std::vector<uint32_t> known;               // each of them as a pattern of `out`; ~0: no ray had it yet
   };
   std::vector<Source> sources;
   for (const Piece& p : order) {
-    Source s{p, {}};
+    Source s{p, {}, std::vector<uint32_t>(p.chunk->rays.patterns.size(), ~0u)};
     const PatternTable& from = p.chunk->rays.patterns;
     for (uint32_t i = 0; i < from.size(); ++i) {
       std::vector<SetId> sets;
-      for (const SetId id : from.sets(i)) sets.push_back(out.sets.intern(p.chunk->sets.members(id)));
+      for (const SetId id : from.sets(i)) sets.push_back(id < labels ? id : out.sets.intern(p.chunk->sets.members(id)));
       s.patterns.push_back(std::move(sets));
     }
     sources.push_back(std::move(s));
@@ -81,6 +95,18 @@ Chunk join(std::span<const Piece> pieces, uint32_t labels) {
     }
     out.rays.append(sets, changes);
   };
+  // The same for a row of rays that are those of one piece.
+  const auto append_row = [&](Source& s, uint32_t first, uint32_t end) {
+    const RayBlock& rays = s.piece.chunk->rays;
+    const auto moved = static_cast<uint32_t>(out.rays.at.size()) - rays.begin[first];
+    out.rays.at.insert(out.rays.at.end(), rays.at.begin() + rays.begin[first], rays.at.begin() + rays.begin[end]);
+    for (uint32_t ray = first; ray < end; ++ray) {
+      uint32_t& pattern = s.known[rays.pattern[ray]];
+      if (pattern == ~0u) pattern = out.rays.patterns.intern(s.patterns[rays.pattern[ray]]);
+      out.rays.pattern.push_back(pattern);
+      out.rays.begin.push_back(rays.begin[ray + 1] + moved);
+    }
+  };
   // The end of the sources that are like the one at `first`.
   const auto group = [&](size_t first, size_t last, auto same) {
     size_t end = first;
@@ -94,7 +120,9 @@ Chunk join(std::span<const Piece> pieces, uint32_t labels) {
       for (size_t pile = row; pile < row_end;) {
         const size_t pile_end = group(pile, row_end, [](const Piece& a, const Piece& b) { return a.u == b.u; });
         const uint32_t width = sources[pile].piece.chunk->rays.nu;
-        for (uint32_t x = 0; x < width; ++x) append({&sources[pile], pile_end - pile}, y * width + x);
+        if (pile_end - pile == 1) append_row(sources[pile], y * width, y * width + width);
+        else
+          for (uint32_t x = 0; x < width; ++x) append({&sources[pile], pile_end - pile}, y * width + x);
         pile = pile_end;
       }
     }

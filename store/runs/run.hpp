@@ -46,6 +46,8 @@ struct RayBlock {
 
   // Empties the block for rays of a new shape; rays are then appended in order.
   void reset(uint32_t new_nu, uint32_t new_nv, uint32_t new_length);
+  // Makes room for as many changes, where rays are then written in place: `pattern`, `begin` and `at` hold anything but begin[0].
+  void reset_in_place(uint32_t new_nu, uint32_t new_nv, uint32_t new_length, size_t changes);
   // Makes it rays of one set.
   void fill(uint32_t new_nu, uint32_t new_nv, uint32_t new_length, SetId set);
   // Appends a ray. REQUIRES: sets.size() == changes.size() + 1, neighbouring sets differ.

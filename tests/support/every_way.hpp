@@ -1,6 +1,7 @@
-// Scenes meshed in every way that must not show in the cells: axes, engines, chunks, threads, memory. A failure names the way.
+// Scenes meshed in every way that must not show in the cells: axes, engines, chunks, threads, memory, vector units. A failure names the way.
 #pragma once
 #include "mesher/engines/engines.hpp"
+#include "store/base/system/vector_units.hpp"
 #include "tests/support/meshed.hpp"
 
 namespace teracell::testing {
@@ -47,8 +48,15 @@ void for_engines_and_axes(const mesher::Scene& scene, mesher::MeshOptions option
     }
 }
 
-// The same for chunks of several sizes, one of them wider than the grid. Threads and memory give the same file. Under a sanitizer each size has
-// one axis.
+// As long as it lives, loops run on a vector unit, or on the best one that there is if that is less.
+class OnVectorUnit {
+ public:
+  explicit OnVectorUnit(VectorUnit unit) { vector_unit = std::min(unit, best_vector_unit()); }
+  ~OnVectorUnit() { vector_unit = best_vector_unit(); }
+};
+
+// The same for chunks of several sizes, one of them wider than the grid. Threads, memory and vector units give the same file. Under a sanitizer each
+// size has one axis.
 template <class F>
 void for_chunks_threads_and_memory(const mesher::Scene& scene, mesher::MeshOptions options, F&& check) {
   const TempFolder folder;
@@ -64,6 +72,7 @@ void for_chunks_threads_and_memory(const mesher::Scene& scene, mesher::MeshOptio
       const auto report = mesh_quietly(scene, folder / "a.tcell", options);
       check(GridReader(folder / "a.tcell"), report);
       for (const uint64_t memory : {uint64_t{1}, ~uint64_t{0}}) {
+        const OnVectorUnit on(memory == 1 ? VectorUnit::kPlain : VectorUnit::kAvx2);
         options.threads = 3;
         options.memory = memory;
         const auto again = mesh_quietly(scene, folder / "b.tcell", options);

@@ -29,6 +29,12 @@ void expect_exact(const Chunk& fine) {
     const auto part = [&](uint32_t n) { return static_cast<uint32_t>(ceil_shift(n, shift)); };
     REQUIRE(broken_invariant(found, part(fine.rays.nu), part(fine.rays.nv), part(fine.rays.length), fine.sets.labels()) == "");
     REQUIRE(expand(found) == coarse_by_hand(fine, shift));
+    uint32_t patterns = 0;  // are numbered as they appear, and each of them does
+    for (const uint32_t pattern : found.rays.pattern) {
+      REQUIRE(pattern <= patterns);
+      patterns += pattern == patterns;
+    }
+    REQUIRE(patterns == found.rays.patterns.size());
   }
   REQUIRE(same_runs(coarsen(fine, 2), coarsen(coarsen(fine, 1), 1)));
 }
