@@ -153,7 +153,7 @@ struct Plane {
 };
 
 // Whether the changes of each ray ascend in (0, length).
-[[gnu::noinline]] bool is_valid(const RayBlock& b) {
+[[gnu::noinline]] bool is_valid(const RayBlock& b, const std::vector<Stretch>& stretches) {
   const std::span<const uint32_t> at = b.at;
   const auto is_outside = [&](auto change) { return change - 1 >= b.length - 1; };  // 0 - 1 is the largest number
   // Descents are counted in one go; then those where a ray begins, which may be, are taken off.
@@ -168,8 +168,10 @@ struct Plane {
   }
   for (; i < at.size(); ++i) outside |= is_outside(at[i]), descents += at[i] <= at[i - 1];
   for (uint32_t k = 0; k < 4; ++k) outside |= four_outside[k] != 0, descents -= static_cast<uint32_t>(four_descents[k]);
-  for (uint32_t ray = 1; ray < b.rays(); ++ray)
-    if (const uint32_t first = b.begin[ray]; first != b.begin[ray + 1] && first != 0) descents -= at[first] <= at[first - 1];
+  for (const auto& [ray, end, from] : stretches) {
+    const uint32_t first = b.begin[ray], n = b.begin[ray + 1] - first;
+    for (uint32_t begin = first; begin < b.begin[end]; begin += n) descents -= begin > 0 && at[begin] <= at[begin - 1];
+  }
   return !outside && descents == 0;
 }
 
@@ -201,7 +203,7 @@ struct Plane {
       at[i] = from == From::kNothing ? (i == 0 ? 0 : at[i - 1]) + wide + 1 : like[i] + unzigzag(wide);
     }
   }
-  if (!is_valid(b)) in.clause("11.4"), in.fail("the changes of a ray must ascend within it");
+  if (!is_valid(b, stretches)) in.clause("11.4"), in.fail("the changes of a ray must ascend within it");
 }
 
 }  // namespace
@@ -213,7 +215,8 @@ void ChunkDecoder::decode(std::span<const uint8_t> frame, uint32_t nu, uint32_t 
   s.zstd.decode(frame, kChunkBound, "chunk", s.body);
 
   ByteReader in(s.body, "chunk", "11.1");
-  out.rays.reset(nu, nv, length);
+  out.rays.nu = nu, out.rays.nv = nv, out.rays.length = length;
+  out.rays.patterns.clear();  // all else is overwritten, and need not be cleared
   out.sets = SetTable(labels);
   decode_palette(in, out.sets, s.palette);
   decode_patterns(in, out.rays, s.palette, s.sets);
