@@ -185,7 +185,8 @@ void ChunkDecoder::decode(std::span<const uint8_t> frame, uint32_t nu, uint32_t 
   s.zstd.decode(frame, kChunkBound, "chunk", s.body);
 
   ByteReader in(s.body, "chunk", "11.1");
-  out.rays.reset(nu, nv, length);
+  out.rays.nu = nu, out.rays.nv = nv, out.rays.length = length;
+  out.rays.patterns.clear();  // all else is overwritten, and need not be cleared
   out.sets = SetTable(labels);
   const bool in_groups = !s.body.empty() && s.body.front() == kInGroups;
   if (in_groups) in.take(1);
