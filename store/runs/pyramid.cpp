@@ -308,7 +308,7 @@ Chunk coarsen(const Chunk& chunk, int shift) {
   for (uint32_t v = 0; v < fine.nv; v += width) {
     const uint32_t rows = std::min(width, fine.nv - v);
     const uint32_t* top = fine.pattern.data() + size_t{v} * fine.nu;
-    std::ranges::fill(differ, 0);
+    std::fill(differ.begin(), differ.end(), 0);
     for (uint32_t y = 1; y < rows; ++y)
       for (uint32_t u = 0; u < fine.nu; ++u) differ[u] |= top[size_t{y} * fine.nu + u] ^ top[u];
     const auto has_pattern = [&](uint32_t u, uint32_t pattern) {  // all rays that become one
