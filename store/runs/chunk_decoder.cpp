@@ -159,7 +159,7 @@ constexpr auto kDigits = [] {
     if (changes_of_all(b, v) == 2) {  // most rows; without a branch, so that vectors do it
       const uint32_t* at = b.at.data() + b.begin[ray];
       uint32_t wrong = 0;
-      for (uint32_t u = 0; u < b.nu; ++u) wrong |= (at[2 * u] == 0) | (at[2 * u] >= at[2 * u + 1]) | (at[2 * u + 1] >= b.length);
+      for (size_t i = 0; i < size_t{2} * b.nu; i += 2) wrong |= (at[i] == 0) | (at[i] >= at[i + 1]) | (at[i + 1] >= b.length);
       valid &= wrong == 0;
       ray += b.nu;
       continue;

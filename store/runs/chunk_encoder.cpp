@@ -107,7 +107,7 @@ void ChunkEncoder::Scratch::put_changes(const RayBlock& b) {
     });
     // The residuals of one change after those of the other. Most rays have two, and a stride that the compiler knows is one for vectors.
     if (n == 2)
-      for (uint32_t ray = 0; ray < rays; ++ray) out[ray] = along[2 * ray], out[rays + ray] = along[2 * ray + 1];
+      for (size_t ray = 0; ray < rays; ++ray) out[ray] = along[2 * ray], out[rays + ray] = along[2 * ray + 1];
     else if (n > 2)
       for (uint32_t change = 0; change < n; ++change)
         for (uint32_t ray = 0; ray < rays; ++ray) *out++ = along[ray * n + change];

@@ -76,8 +76,8 @@ void walk(const RayBlock& b, One&& one, Plane&& plane) {
         continue;
       }
       // Within the stretch, the left and the upper left neighbours match by themselves.
-      const uint32_t *row = b.begin.data() + v * b.nu, *above = row - b.nu;
-      const auto differ = [&](uint32_t at) { return ((row[at + 1] - row[at]) ^ n) | ((above[at + 1] - above[at]) ^ n); };
+      const uint32_t *row = b.begin.data() + size_t{v} * b.nu, *upper = row - b.nu;
+      const auto differ = [&](uint32_t at) { return ((row[at + 1] - row[at]) ^ n) | ((upper[at + 1] - upper[at]) ^ n); };
       uint32_t end = u + 1;
       for (constexpr uint32_t kSome = 8; end + kSome <= b.nu; end += kSome) {  // many at once, by vectors
         uint32_t any = 0;

@@ -78,7 +78,7 @@ class CoarseRay {
         }
         const uint32_t from = least >> shift_, to = ((most - 1) >> shift_) + 1;  // the cells with both runs
         lie_apart &= before < from && from < to;
-        places_[2 * i] = from, places_[2 * i + 1] = before = to;
+        places_[size_t{2} * i] = from, places_[size_t{2} * i + 1] = before = to;
       }
       if (n == 0 || (lie_apart && before <= last_)) {
         if (apart.pattern == ~0u) apart.pattern = out.patterns.intern(apart.sets);
