@@ -61,8 +61,8 @@ def main(arguments):
                  ("mesh stadium, 12,000 cells", ["mesh", at("stadium/scene.json"), "--cells", "12000", "-o", "OUT.tcell", "--progress", "none"]),
                  ("mesh 3000^3 with fractions 4,4,64", ["mesh", at("3000.json"), "--fractions", "4,4,64", "-o", "OUT.tcell", "--progress", "none"])]
         rows += [(f"slice across {axis}, 10^8 pixels", ["slice", "GRID.tcell", "--axis", axis, "--index", "5000", "-o", "OUT.png"]) for axis in "xyz"]
-        rows += [("verify 10^12 cells", ["verify", "GRID.tcell"]), ("render 1920 x 1080", ["render", "GRID.tcell", "--size", "1920x1080", "-o", "OUT.png"])]
-        print(f"{'ours / ' + commit:<36} {'wall':>22} {'processor':>22} {'peak memory':>20} {'bytes':>28}")
+        rows += [("verify 10^12 cells", ["verify", "GRID.tcell"]), ("render 1920 x 1080", ["render", "GRID.tcell", "--size", "1920,1080", "-o", "OUT.png"])]
+        print(f"{'ours / ' + commit:<36} {'wall':>26} {'processor':>26} {'peak memory':>20} {'bytes':>28}")
         for what, words in rows:
             def command(program, name):
                 return [program, *(word.replace("GRID", at(f"{name}-grid")).replace("OUT", at(f"{name}-out")) for word in words)]
@@ -75,6 +75,6 @@ def main(arguments):
                      f" = {statistics.median(a[i] / b[i] for a, b in zip(ours, theirs)):.2f}" for i, digits, unit in ((0, 3, "s"), (1, 3, "s"), (2, 0, "MB"))]
             out = [word for word in sides[0][0] if word.startswith(folder) and word.endswith((".tcell", ".png"))][-1]
             sizes = [os.path.getsize(path) for path in (out, out.replace("ours-", "theirs-"))]
-            print(f"{what:<36} {cells[0]:>22} {cells[1]:>22} {cells[2]:>20} {f'{sizes[0]:,} / {sizes[1]:,}':>28}", flush=True)
+            print(f"{what:<36} {cells[0]:>26} {cells[1]:>26} {cells[2]:>20} {f'{sizes[0]:,} / {sizes[1]:,}':>28}", flush=True)
             if said := where(*sides[0][0]):
                 print(f"    {said}", flush=True)

@@ -29,7 +29,7 @@ def where(*command, most=6):
         said = subprocess.run(["perf", "report", "-i", data, "--stdio", "--no-children", "--sort", "symbol", "-w", "400"], capture_output=True, text=True).stdout
     shares = {}
     for line in said.splitlines():
-        found = re.match(r"\s+([\d.]+)%\s+\[(.)\]\s+(.*\S)", line)
+        found = re.match(r"\s+([\d.]+)%\s+\[(.)\]\s+(.*?)(\s+-)*\s*$", line)
         if found:
             name = "the kernel" if found[2] == "k" else "libraries without names" if found[3].startswith("0x") else short(found[3])
             shares[name] = shares.get(name, 0) + float(found[1])
