@@ -69,7 +69,8 @@ def tag_of(folder):
     programs = [path for path in folder.rglob("*") if path.is_file() and path.read_bytes().startswith(b"\x7fELF")]
     needs = subprocess.run(["objdump", "-p", *programs], check=True, capture_output=True, text=True).stdout
     names = set(re.findall(r"\bGLIBC_(\S+)", needs))  # beside versions there are GLIBC_PRIVATE, for glibc alone, and GLIBC_ABI_DT_RELR
-    versions = [int(version[1]) for name in names if (version := re.fullmatch(r"2[.]([0-9]+)([.][0-9]+)*", name))]
+    # All of 2.2.5 is surely there in 2.3 alone.
+    versions = [int(version[1]) + bool(version[2]) for name in names if (version := re.fullmatch(r"2[.]([0-9]+)((?:[.][0-9]+)*)", name))]
     if 0 < len(names) == len(versions) and set(re.findall(r"NEEDED +(\S+)", needs)) <= GLIBC | {path.name for path in programs}:
         system = f"manylinux_2_{max(versions)}"
     return f"{python}-{python}-{system}_{machine}"
