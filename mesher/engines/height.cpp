@@ -35,18 +35,19 @@ void FacetHeight::bound_plane() {
     slack_ = HUGE_VAL;
     return;
   }
-  // The error of the gradient, then that of the two terms over the extent of the facet and of their sum. It is doubled to cover
-  // the second-order terms that are left out.
+  // The error of the gradient, then that of the two terms over the extent of the facet and of what is made of their sum (eight roundings). It is
+  // doubled to cover the second-order terms that are left out.
   const double width = std::max(std::abs(d1u), std::abs(d2u)), height = std::max(std::abs(d1v), std::abs(d2v));
   const double slope_u = std::abs(gu_), slope_v = std::abs(gv_);
   const double error_u = (eu + slope_u * ew) / safe + 4 * kRoundoff * slope_u;
   const double error_v = (ev + slope_v * ew) / safe + 4 * kRoundoff * slope_v;
-  slack_ = 2 * (width * error_u + height * error_v + 4 * kRoundoff * (std::abs(w0_) + slope_u * width + slope_v * height));
+  slack_ = 2 * (width * error_u + height * error_v + 8 * kRoundoff * (std::abs(w0_) + slope_u * width + slope_v * height));
   if (!(slack_ < HUGE_VAL)) slack_ = HUGE_VAL;  // if it is not a number
 }
 
 // In units of cells, sample points lie at integers t. The bound includes the rounding of the sample points themselves and of t.
 void FacetHeight::bound_cells() {
+  axis_origin_ = axis_.origin(), cells_ = static_cast<double>(axis_.cells());
   per_cell_ = 1 / axis_.step();
   offset_ = static_cast<double>(axis_.first()) + axis_.sample();
   const double reach = offset_ + static_cast<double>(axis_.cells()) + (std::abs(axis_.origin()) + std::abs(w0_)) * per_cell_;
@@ -76,7 +77,6 @@ void FacetHeight::first_cells(std::span<const double> u, double v, uint32_t* cel
     double closest = 1;
     on_vector_unit([=, &u, &closest]() TERACELL_IN_LINE {
       // Most rows are no longer than two or three vectors, so what is left of them is no loop of its own: the last block overlaps the one before.
-      constexpr size_t kBlock = 8;
       const double* const rays = u.data();
       const size_t size = u.size();
       std::array<double, kBlock> near;

@@ -5,39 +5,65 @@
 // exact, neighbouring facets agree on every edge that they share, without exchanging anything.
 #pragma once
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "mesher/engines/engine.hpp"
 #include "mesher/engines/predicates.hpp"
+#include "store/base/system/vector_units.hpp"
 
 namespace teracell::mesher {
 
-// Finds a place among ascending coordinates: a guess, which is right for even spacing, and a walk from there.
+// Finds a place among ascending coordinates. Where they are evenly spaced a multiplication tells, unless the place is so close to a ray that
+// rounding matters; then, and where they are not, a walk from there does.
 class RayFinder {
  public:
   // Keeps a reference. REQUIRES: at least one ray.
   explicit RayFinder(const std::vector<double>& rays)
-      : rays_(rays), per_unit_(rays.size() > 1 ? static_cast<double>(rays.size() - 1) / (rays.back() - rays[0]) : 0) {}
+      : rays_(rays),
+        lowest_(rays[0]),
+        per_ray_(rays.size() > 1 ? static_cast<double>(rays.size() - 1) / (rays.back() - lowest_) : 0),
+        most_(static_cast<double>(rays.size())) {
+    if (!(per_ray_ > 0 && per_ray_ < HUGE_VAL)) return;
+    // Without rounding, place_of() grows with x. So where it is further from the middle between two whole numbers than that of any ray, by what
+    // rounding may do, it tells the two rays that x lies between.
+    double off = 0;
+    for (size_t i = 0; i < rays.size(); ++i) off = std::max(off, std::abs((rays[i] - lowest_) * per_ray_ - static_cast<double>(i)));
+    slack_ = off + 0x1p-49 * static_cast<double>(rays.size());
+  }
   uint32_t size() const { return static_cast<uint32_t>(rays_.size()); }
   double operator[](uint32_t i) const { return rays_[i]; }
+
+  // Where x lies in units of rays, and a half more; 0 or size() where it lies before or behind them all.
+  TERACELL_IN_LINE double place_of(double x) const { return std::min(std::max((x - lowest_) * per_ray_ + 0.5, 0.0), most_); }
+  // A place that is added to this one is rounded to an integer, which is what the low half of the sum's bits say.
+  static constexpr double kRound = 0x1.8p52;
+  // How close to a ray a place must be for rounding to matter, if that of x itself is right; 1 if the rays are not evenly spaced.
+  double slack() const { return slack_; }
+  double per_ray() const { return per_ray_; }
+
   // The first ray at or above x.
-  uint32_t from(double x) const {
-    const double guess = std::clamp((x - rays_[0]) * per_unit_ + 1, 0.0, static_cast<double>(size()));
-    auto i = static_cast<uint32_t>(static_cast<int32_t>(guess));
+  TERACELL_IN_LINE uint32_t from(double x) const {
+    const double t = place_of(x), sum = t + kRound;
+    const auto i = static_cast<uint32_t>(std::bit_cast<uint64_t>(sum));
+    return std::abs(t - (sum - kRound)) < 0.5 - slack_ ? i : walk(x, i);
+  }
+
+ private:
+  [[gnu::noinline]] uint32_t walk(double x, uint32_t i) const {
     while (i > 0 && rays_[i - 1] >= x) --i;
     while (i < size() && rays_[i] < x) ++i;
     return i;
   }
 
- private:
   const std::vector<double>& rays_;
-  double per_unit_;
+  double lowest_, per_ray_, most_, slack_ = 1;
 };
 
 // The line through lo and hi, two vertices of a facet with lo below hi in v.
 class FacetEdge {
  public:
-  FacetEdge() {}  // not set: most facets need only two of their three edges
+  FacetEdge() = default;  // not set: most facets need only two of their three edges
   FacetEdge(const Vec3& lo, const Vec3& hi, const RayFrame& f)
       : lo_u_(lo[f.u]), lo_v_(lo[f.v]), hi_u_(hi[f.u]), hi_v_(hi[f.v]), slope_((hi_u_ - lo_u_) / (hi_v_ - lo_v_)) {
     // u(v) = lo_u + (v - lo_v) * slope: six roundings relative to at most |hi_u - lo_u|, and one relative to |lo_u| more. An edge
@@ -46,9 +72,18 @@ class FacetEdge {
     slack_ = hi_u_ == lo_u_ ? 0 : 9 * kUnit * (std::abs(lo_u_) + std::abs(hi_u_));
   }
 
+  // Where the edge meets the row v, with an error of slack() at most if lo_v <= v <= hi_v.
+  TERACELL_IN_LINE double at(double v) const { return lo_u_ + (v - lo_v_) * slope_; }
+  double slack() const { return slack_; }
+  // Which of two edges, without a branch: `first` if it is to be the first.
+  TERACELL_IN_LINE static double at(double v, bool is_first, const FacetEdge& first, const FacetEdge& second) {
+    const double u = is_first ? first.lo_u_ : second.lo_u_, lo = is_first ? first.lo_v_ : second.lo_v_;
+    return u + (v - lo) * (is_first ? first.slope_ : second.slope_);
+  }
+
   // The first ray of the row v that passes on the right of the edge. REQUIRES: lo_v <= v <= hi_v.
-  uint32_t first_right(double v, const RayFinder& rays, uint64_t& exact) const {
-    const double u = lo_u_ + (v - lo_v_) * slope_;
+  [[gnu::noinline]] uint32_t first_right(double v, const RayFinder& rays, uint64_t& exact) const {
+    const double u = at(v);
     uint32_t i = rays.from(u - slack_);
     while (i < rays.size() && rays[i] <= u + slack_) {
       if (slack_ == 0) break;
@@ -60,7 +95,7 @@ class FacetEdge {
   }
 
  private:
-  double lo_u_, lo_v_, hi_u_, hi_v_, slope_, slack_;
+  double lo_u_ = 0, lo_v_ = 0, hi_u_ = 0, hi_v_ = 0, slope_ = 0, slack_ = 0;
 };
 
 // The rays of a tile that cross a facet: in each of the rows [begin(), end()), the rays [from, to).
@@ -83,7 +118,7 @@ class FacetRows {
     begin_ = rows.from((*lo)[f.v]);
     end_ = rows.from((*hi)[f.v]);
     if (begin_ == end_) return;
-    turn_ = std::clamp(rows.from((*mid)[f.v]), begin_, end_);
+    turn_ = std::clamp(rows.from((*mid)[f.v]), begin_, end_), turn_v_ = (*mid)[f.v];
     longest_ = FacetEdge(*lo, *hi, f);
     if (begin_ < turn_) lower_ = FacetEdge(*lo, *mid, f);
     if (turn_ < end_) upper_ = FacetEdge(*mid, *hi, f);
@@ -99,8 +134,34 @@ class FacetRows {
     return {std::min(a, b), std::max(a, b), (a < b) != odd_};
   }
 
+  // For the rows with the coordinates v[0] to v[kRows - 1]: where their rays begin and end, a[i] and b[i], in either order. Returns how far at
+  // most the edges are from the middle between two rays, in units of rays: unless that is less than 0.5 - slack(rays), only at() can say. What is
+  // written and returned for rows that do not meet the facet has no meaning.
+  template <size_t kRows>
+  TERACELL_IN_LINE double edges(const double* v, const RayFinder& rays, uint64_t* a, uint64_t* b) const {
+    constexpr double kRound = RayFinder::kRound;
+    double far[kRows];
+#pragma GCC unroll 1
+    for (size_t i = 0; i < kRows; ++i) {
+      const double s = rays.place_of(longest_.at(v[i])), t = rays.place_of(FacetEdge::at(v[i], v[i] < turn_v_, lower_, upper_));
+      const double sum_s = s + kRound, sum_t = t + kRound;
+      a[i] = std::bit_cast<uint64_t>(sum_s) & 0xffffffff, b[i] = std::bit_cast<uint64_t>(sum_t) & 0xffffffff;
+      far[i] = std::max(std::abs(s - (sum_s - kRound)), std::abs(t - (sum_t - kRound)));
+    }
+    for (size_t half = kRows / 2; half > 0; half /= 2)
+      for (size_t i = 0; i < half; ++i) far[i] = std::max(far[i], far[i + half]);
+    return far[0];
+  }
+  double slack(const RayFinder& rays) const {
+    const double most = std::max(longest_.slack(), std::max(lower_.slack(), upper_.slack()));
+    const double slack = most * rays.per_ray() * (1 + 0x1p-50) + rays.slack();
+    return slack < 0.25 ? slack : 1;
+  }
+  bool odd() const { return odd_; }
+
  private:
   uint32_t begin_, turn_ = 0, end_;
+  double turn_v_ = 0;  // of the vertex where lower_ ends
   bool odd_ = false;  // the permutation that sorts the vertices by v is odd
   FacetEdge longest_, lower_, upper_;
 };

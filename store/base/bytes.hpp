@@ -17,6 +17,14 @@ void put_fixed(Bytes& out, T value) {
   for (size_t i = 0; i < sizeof(T); ++i) out.push_back(static_cast<uint8_t>(static_cast<uint64_t>(value) >> (8 * i)));
 }
 
+// The number whose bytes begin at `from`.
+template <class T>
+T fixed_at(const uint8_t* from) {
+  uint64_t v = 0;
+  for (size_t i = 0; i < sizeof(T); ++i) v |= uint64_t{from[i]} << (8 * i);
+  return static_cast<T>(v);
+}
+
 // LEB128: seven bits per byte, the least significant first; the high bit says that another byte follows.
 inline void put_varint(Bytes& out, uint64_t value) {
   for (; value >= 0x80; value >>= 7) out.push_back(static_cast<uint8_t>(value | 0x80));
@@ -50,10 +58,7 @@ class ByteReader {
   }
   template <class T>
   T fixed() {
-    const auto b = take(sizeof(T));
-    uint64_t v = 0;
-    for (size_t i = 0; i < sizeof(T); ++i) v |= uint64_t{b[i]} << (8 * i);
-    return static_cast<T>(v);
+    return fixed_at<T>(take(sizeof(T)).data());
   }
   uint64_t varint() {
     uint64_t v = 0;

@@ -13,8 +13,7 @@ using Product = unsigned __int128;
 
 constexpr uint64_t kPrime = (uint64_t{1} << 61) - 1;
 constexpr std::array<uint64_t, 3> kBases = {314159265358979323, 271828182845904523, 141421356237309504};  // x, y, z: digits of pi, e and sqrt(2)
-constexpr int kLowBits = 16;
-constexpr uint32_t kMostProducts = 32;  // below 2^122 each, so that many add up without overflow
+constexpr int kLowBits = 18;
 
 constexpr uint64_t reduced(uint64_t n) { return n >= kPrime ? n - kPrime : n; }
 constexpr uint64_t reduced(Product n) {
@@ -29,6 +28,26 @@ constexpr uint64_t inverse(uint64_t a) {  // a^(p - 2), by Fermat
   for (uint64_t exponent = kPrime - 2; exponent > 0; exponent >>= 1, a = times(a, a))
     if (exponent & 1) out = times(out, a);
   return out;
+}
+
+// The same modulo p, below 2^68.
+constexpr Product folded(Product n) { return (n & kPrime) + (n >> 61); }
+
+// The sum over i of factors[i] * powers[x[n * i]] for `count` numbers, below 2^68. A sum of 32 products, which are below 2^122 each, and of what
+// folded() left fits into 128 bits. Two sums take turns, since each addition waits for the carry of the one before.
+Product sum_of_products(const uint64_t* factors, const uint64_t* powers, const uint32_t* x, size_t n, uint32_t count) {
+  constexpr uint32_t kMost = 64;
+  Product even = 0, odd = 0;
+  for (uint32_t i = 0; i < count;) {
+    even = folded(even), odd = folded(odd);
+    const uint32_t end = std::min(count, i + kMost);
+    for (; i + 1 < end; i += 2, x += 2 * n) {
+      even += Product{factors[i]} * powers[x[0]];
+      odd += Product{factors[i + 1]} * powers[x[n]];
+    }
+    if (i < end) even += Product{factors[i++]} * powers[*x], x += n;
+  }
+  return folded(even) + folded(odd);
 }
 
 std::vector<uint64_t> powers_of(uint64_t base, size_t count) {
@@ -69,6 +88,16 @@ uint64_t LabelsAdder::Powers::at(int64_t exponent) const {
 
 uint64_t LabelsAdder::Powers::sum(int64_t from, int64_t to) const { return times(minus(at(to), at(from)), of_sums); }
 
+namespace {
+
+// Rays [u, stop) of a row that have one pattern, and what the ends of their runs add.
+struct Stretch {
+  uint32_t pattern = 0, u = 0, stop = 0;
+  uint64_t ends = 0;
+};
+
+}  // namespace
+
 // The run of key k from `from` to `to` along a ray adds k (g^to - g^from) / (g - 1) times the ray's own powers. So the change from k to k' at x
 // adds (k - k') g^x, and the ends of the ray the rest.
 LabelsSum LabelsAdder::sum(const Index3& first, const RayBlock& b) const {
@@ -79,12 +108,13 @@ LabelsSum LabelsAdder::sum(const Index3& first, const RayBlock& b) const {
   }
   const auto from_w = static_cast<uint64_t>(first[2]);
   const uint64_t begin = along_w.at(first[2]), end = along_w.at(first[2] + b.length);
-  const bool small = from_w + b.length < along_w.low.size();
+  const bool small = from_w + b.length <= along_w.low.size();
   std::vector<uint64_t> of_u(b.nu);
   for (uint32_t u = 0; u < b.nu; ++u) of_u[u] = along_u.at(first[0] + u);
+  Stretch last;  // mostly, one row has the same stretches as the one before
   uint64_t total = 0;
   for (uint32_t v = 0; v < b.nv; ++v) {
-    uint64_t row = 0;
+    Product row = 0;
     const uint32_t* pattern = b.pattern.data() + size_t{v} * b.nu;
     for (uint32_t u = 0; u < b.nu;) {  // a stretch of one pattern
       const uint32_t n = b.patterns.changes(pattern[u]);
@@ -94,22 +124,20 @@ LabelsSum LabelsAdder::sum(const Index3& first, const RayBlock& b) const {
       const uint32_t* at = b.at.data() + b.begin[size_t{v} * b.nu + u];
       for (uint32_t i = 0; i < n; ++i) {
         Product products = 0;
-        const uint32_t* x = at + i;
-        for (uint32_t ray = u; ray < stop;) {
-          const uint32_t some = std::min(stop, ray + kMostProducts);
-          products = reduced(products);
-          if (small)
-            for (const uint64_t* low = along_w.low.data() + from_w; ray < some; ++ray, x += n) products += Product{of_u[ray]} * low[*x];
-          else
-            for (; ray < some; ++ray, x += n) products += Product{of_u[ray]} * along_w.at(static_cast<int64_t>(from_w + *x));
-        }
-        row = plus(row, times(minus(keys_[sets[i]], keys_[sets[i + 1]]), reduced(products)));
+        if (small) products = sum_of_products(of_u.data() + u, along_w.low.data() + from_w, at + i, n, stop - u);
+        else
+          for (uint32_t ray = u; ray < stop; ++ray)
+            products = folded(products + Product{of_u[ray]} * along_w.at(static_cast<int64_t>(from_w + at[(ray - u) * n + i])));
+        row = folded(row + Product{minus(keys_[sets[i]], keys_[sets[i + 1]])} * reduced(products));
       }
-      const uint64_t ends = minus(times(keys_[sets[n]], end), times(keys_[sets[0]], begin));
-      row = plus(row, times(ends, along_u.sum(first[0] + u, first[0] + stop)));
+      if (last.pattern != pattern[u] || last.u != u || last.stop != stop) {
+        const uint64_t ends = minus(times(keys_[sets[n]], end), times(keys_[sets[0]], begin));
+        last = {pattern[u], u, stop, times(ends, along_u.sum(first[0] + u, first[0] + stop))};
+      }
+      row += last.ends;
       u = stop;
     }
-    total = plus(total, times(row, along_v.at(first[1] + v)));
+    total = plus(total, times(reduced(row), along_v.at(first[1] + v)));
   }
   return {times(total, along_w.of_sums)};
 }

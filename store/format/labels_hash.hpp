@@ -22,7 +22,7 @@ struct LabelsSum {
   friend bool operator==(LabelsSum, LabelsSum) = default;
 };
 
-// Adds up cells of one grid. Threads may share it. Memory: 8 bytes for each cell of an axis, 2 MB at most.
+// Adds up cells of one grid. Threads may share it. Memory: 8 bytes for each cell of an axis, 6 MB at most.
 class LabelsAdder {
  public:
   explicit LabelsAdder(const Metadata& meta);

@@ -15,6 +15,7 @@ constexpr int kZstdLevel = 1;  // 3 gains 2 %, 9 gains 6 % for five times the ti
 struct ChunkEncoder::Scratch {
   ZstdEncoder zstd;
   Bytes body, gaps, exceptions, along, narrow, spelled, wide;
+  size_t narrow_bytes = 0;  // of `narrow`, which is larger
   std::vector<SetId> palette;
 
   void put_patterns(const RayBlock& b, const SetTable& sets);
@@ -70,7 +71,8 @@ void ChunkEncoder::Scratch::put_exceptions(const RayBlock& b) {
 
 // The changes: residuals of the plane as bytes, everything else as varints.
 void ChunkEncoder::Scratch::put_changes(const RayBlock& b) {
-  narrow.clear();
+  narrow.resize(b.at.size() + kGroup + sizeof(uint64_t));  // as many at most, and put_groups() reads on
+  narrow_bytes = 0;
   wide.clear();
   const auto one = [&](uint32_t ray, From from) {
     const uint32_t* at = b.at.data() + b.begin[ray];
@@ -85,18 +87,17 @@ void ChunkEncoder::Scratch::put_changes(const RayBlock& b) {
     const uint32_t n = b.begin[from + 1] - b.begin[from], rays = to - from, size = n * rays;
     const uint32_t* at = b.at.data() + b.begin[from];
     const uint32_t* up = b.at.data() + b.begin[from - b.nu];
-    const size_t start = narrow.size();
-    narrow.resize(start + size);
-    along.resize(size);
-    uint8_t* out = narrow.data() + start;
+    if (along.size() < size) along.resize(size);
+    uint8_t* const out = narrow.data() + narrow_bytes;
+    narrow_bytes += size;
     uint8_t* const in_turn = n == 1 ? out : along.data();
     const auto residual_of = [](const uint32_t* change, const uint32_t* above, uint32_t changes, uint32_t i) TERACELL_IN_LINE {
       return zigzag(static_cast<int32_t>(change[i] - (change - changes)[i] - above[i] + (above - changes)[i]));
     };
     uint32_t widest = 0;
     on_vector_unit([&]() TERACELL_IN_LINE {
-      const uint32_t *const change = at, *const above = up, changes = n, end = size;
-      uint8_t* __restrict const bytes = in_turn;
+      const uint32_t *const change = at, *const above = up, changes = n, end = size, count = rays;
+      uint8_t* __restrict const bytes = in_turn, * __restrict const first = out, * __restrict const second = out + count;
       uint32_t most = 0;
       for (uint32_t i = 0; i < end; ++i) {
         const uint32_t r = residual_of(change, above, changes, i);
@@ -104,13 +105,13 @@ void ChunkEncoder::Scratch::put_changes(const RayBlock& b) {
         bytes[i] = static_cast<uint8_t>(std::min<uint32_t>(r, kEscape));
       }
       widest = most;
+      // The residuals of one change after those of the other. Most rays have two, and a stride that the compiler knows is one for vectors.
+      if (changes == 2)
+        for (size_t ray = 0; ray < count; ++ray) first[ray] = bytes[2 * ray], second[ray] = bytes[2 * ray + 1];
     });
-    // The residuals of one change after those of the other. Most rays have two, and a stride that the compiler knows is one for vectors.
-    if (n == 2)
-      for (size_t ray = 0; ray < rays; ++ray) out[ray] = along[2 * ray], out[rays + ray] = along[2 * ray + 1];
-    else if (n > 2)
+    if (n > 2)
       for (uint32_t change = 0; change < n; ++change)
-        for (uint32_t ray = 0; ray < rays; ++ray) *out++ = along[ray * n + change];
+        for (uint32_t ray = 0; ray < rays; ++ray) out[change * rays + ray] = along[ray * n + change];
     if (widest < kEscape) return;
     for (uint32_t change = 0; change < n; ++change)
       for (uint32_t i = change; i < size; i += n)
@@ -121,17 +122,21 @@ void ChunkEncoder::Scratch::put_changes(const RayBlock& b) {
   append(wide);
 }
 
-// The narrow residuals, five in a byte.
+// The narrow residuals, five in a byte. Those of a group are the low bytes of a word: adding 125 to each shows whether it is above 2, and of a
+// product with powers of 3 in its bytes the fifth byte is the sum that is wanted. No byte of it overflows.
 void ChunkEncoder::Scratch::put_groups() {
-  narrow.resize((narrow.size() + kGroup - 1) / kGroup * kGroup);
+  constexpr uint64_t kOfGroup = (uint64_t{1} << (8 * kGroup)) - 1, kPowers = 0x01'03'09'1b'51;
+  const size_t groups = (narrow_bytes + kGroup - 1) / kGroup, start = body.size();
+  std::fill_n(narrow.data() + narrow_bytes, groups * kGroup - narrow_bytes, uint8_t{0});
   spelled.clear();
-  const size_t start = body.size();
-  body.resize(start + narrow.size() / kGroup);
-  uint8_t* out = body.data() + start;
-  for (const uint8_t* r = narrow.data(); r != narrow.data() + narrow.size(); r += kGroup) {
-    const bool digits = r[0] < 3 && r[1] < 3 && r[2] < 3 && r[3] < 3 && r[4] < 3;
-    if (!digits) spelled.insert(spelled.end(), r, r + kGroup);
-    *out++ = digits ? static_cast<uint8_t>(r[0] + 3 * r[1] + 9 * r[2] + 27 * r[3] + 81 * r[4]) : kSpelled;
+  body.resize(start + groups);
+  uint8_t* const out = body.data() + start;
+  const uint8_t* r = narrow.data();
+  for (size_t i = 0; i < groups; ++i, r += kGroup) {
+    const uint64_t digits = fixed_at<uint64_t>(r) & kOfGroup;
+    const bool small = (((digits + 0x7d7d7d7d7d) | digits) & 0x8080808080) == 0;
+    if (!small) spelled.insert(spelled.end(), r, r + kGroup);
+    out[i] = small ? static_cast<uint8_t>(digits * kPowers >> 32) : kSpelled;
   }
   append(spelled);
 }
