@@ -38,7 +38,7 @@ void TileGroupWork::make_chunk(uint32_t i, std::span<const SceneFacet* const> fa
     totals_[i / kFanOut].overlaps.add(worker.composer.take_overlaps(cells));
     make_frames(i, cells, facets, fine.rays, worker);
   }
-  pieces_[i] = coarsen(fine, 2);
+  pieces_[i] = worker.coarsener.coarsen(fine, 2);
   chunks_[i] = encode_level(worker.encoder, meta_, 0, cu, cv, fine);
   totals_[i / kFanOut].labels += worker.adder.sum({0, cu, cv, 0}, fine.rays);
 }
@@ -83,7 +83,7 @@ void TileGroupWork::make_level2(Worker& worker) {
   const Chunk level2 = join_pieces(pieces_.data(), kFanOut, kFanOut, meta_.chunk_rays, static_cast<uint32_t>(meta_.labels.size()));
   pieces_ = {};
   chunks_[kChildren] = encode_level(worker.encoder, meta_, 2, group_.cu, group_.cv, level2);
-  if (above_) above_->add(group_.cu, group_.cv, coarsen(level2, 1), worker.encoder);
+  if (above_) above_->add(group_.cu, group_.cv, worker.coarsener.coarsen(level2, 1), worker.encoder);
 }
 
 }  // namespace teracell::mesher

@@ -34,6 +34,7 @@ struct Worker {
   Marker marker;
   Composer composer;
   ChunkEncoder encoder;
+  Coarsener coarsener;
   LabelsAdder adder;
   Crossings crossings;
   Chunk fine;  // the chunk of level 0 that is being made

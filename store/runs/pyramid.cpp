@@ -24,26 +24,32 @@ void extremes(std::span<const uint32_t* const> rows, size_t size, uint32_t* leas
   });
 }
 
+}  // namespace
+
 // Makes one coarse ray at a time. Rays of equal pattern are merged first, run by run: as long as the parts of run i of all
 // rays touch, it covers the coarse cells from its least start to its greatest end, and both ascend with i. Most groups of
 // rays have a single pattern, and a sweep with two pointers is all that they need. Silhouettes, and walls so steep that the
 // parts lie apart, need the general sweep over intervals.
-class CoarseRay {
+class Coarsener::Ray {
  public:
-  CoarseRay(const RayBlock& fine, int shift, SetTable& sets) : fine_(fine), shift_(shift), last_((fine.length - 1) >> shift), sets_(sets) {}
+  // To be called first. Keeps references.
+  void begin(const RayBlock& fine, int shift, SetTable& sets) {
+    fine_ = &fine, shift_ = shift, last_ = (fine.length - 1) >> shift, sets_ = &sets;
+    for (Apart& a : apart_) a.pattern = ~0u, a.sets.clear(), a.kept.clear();
+  }
 
   // Appends the ray that `rays` become. `one_pattern`: all of them have the same pattern.
   void merge(std::span<const uint32_t> rays, bool one_pattern, RayBlock& out) {
     labels_.clear();
     changes_.clear();
-    const uint32_t pattern = fine_.pattern[rays[0]];
+    const uint32_t pattern = fine_->pattern[rays[0]];
     if (one_pattern) {
-      if (fine_.patterns.changes(pattern) == 0) {
-        out.append(fine_.patterns.sets(pattern), {});
+      if (fine_->patterns.changes(pattern) == 0) {
+        out.append(fine_->patterns.sets(pattern), {});
         return;
       }
       if (merge_runs(pattern, rays)) {
-        sweep_one_pattern(fine_.patterns.sets(pattern));
+        sweep_one_pattern(fine_->patterns.sets(pattern));
         out.append(labels_, changes_);
         return;
       }
@@ -57,10 +63,10 @@ class CoarseRay {
   // vectors, the least and the greatest of each change are found. Where all changes lie apart, in the coarse ray each run is followed by
   // cells with both it and the next one, and nothing is left to be swept.
   void merge_stretch(uint32_t u, uint32_t end, uint32_t v, uint32_t rows, RayBlock& out) {
-    const uint32_t pattern = fine_.pattern[v * fine_.nu + u], n = fine_.patterns.changes(pattern), width = 1u << shift_;
+    const uint32_t pattern = fine_->pattern[v * fine_->nu + u], n = fine_->patterns.changes(pattern), width = 1u << shift_;
     Apart& apart = apart_of(pattern);
     std::array<const uint32_t*, kMostWidth> row;
-    for (uint32_t y = 0; y < rows; ++y) row[y] = fine_.at.data() + fine_.begin[(v + y) * fine_.nu + u];
+    for (uint32_t y = 0; y < rows; ++y) row[y] = fine_->at.data() + fine_->begin[(v + y) * fine_->nu + u];
     const size_t size = size_t{n} * (end - u);
     least_.resize(size);
     most_.resize(size);
@@ -96,7 +102,7 @@ class CoarseRay {
     std::array<uint32_t, kMostMerged> rays;
     uint32_t count = 0;
     for (uint32_t y = v; y < v + rows; ++y)
-      for (uint32_t x = u; x < std::min(u + (1u << shift_), fine_.nu); ++x) rays[count++] = y * fine_.nu + x;
+      for (uint32_t x = u; x < std::min(u + (1u << shift_), fine_->nu); ++x) rays[count++] = y * fine_->nu + x;
     merge({rays.data(), count}, one_pattern, out);
   }
 
@@ -111,11 +117,11 @@ class CoarseRay {
     if (apart_.size() <= pattern) apart_.resize(pattern + 1);
     Apart& a = apart_[pattern];
     if (!a.sets.empty()) return a;
-    const auto runs = fine_.patterns.sets(pattern);
+    const auto runs = fine_->patterns.sets(pattern);
     a.sets.assign(1, runs[0]);
     for (uint32_t i = 1; i < runs.size(); ++i)
       for (const uint32_t k : {2 * i - 2, 2 * i - 1}) {
-        const SetId set = k % 2 == 0 ? sets_.unite(runs[i - 1], runs[i]) : runs[i];
+        const SetId set = k % 2 == 0 ? sets_->unite(runs[i - 1], runs[i]) : runs[i];
         if (set != a.sets.back()) a.sets.push_back(set), a.kept.push_back(k);
       }
     return a;
@@ -134,13 +140,13 @@ class CoarseRay {
   // lo_[i], hi_[i]: first and last coarse cell of run i over all `rays` of this pattern; touch_[i]: every coarse cell
   // between them is reached by run i of some ray. Returns whether that holds for all runs.
   bool merge_runs(uint32_t pattern, std::span<const uint32_t> rays) {
-    const uint32_t n = fine_.patterns.changes(pattern);
+    const uint32_t n = fine_->patterns.changes(pattern);
     lo_.resize(n + 1);
     hi_.resize(n + 1);
     std::array<const uint32_t*, kMostMerged> changes;  // of each ray of this pattern
     uint32_t count = 0;
     for (const uint32_t ray : rays)
-      if (fine_.pattern[ray] == pattern) changes[count++] = fine_.at.data() + fine_.begin[ray];
+      if (fine_->pattern[ray] == pattern) changes[count++] = fine_->at.data() + fine_->begin[ray];
     for (uint32_t i = 0; i < n; ++i) {  // change by change, so that both extremes stay in registers
       uint32_t least = ~0u, most = 0;
       for (uint32_t r = 0; r < count; ++r) {
@@ -183,17 +189,17 @@ class CoarseRay {
     events_.clear();
     seen_.clear();
     for (const uint32_t ray : rays) {
-      const uint32_t pattern = fine_.pattern[ray];
+      const uint32_t pattern = fine_->pattern[ray];
       if (std::ranges::find(seen_, pattern) != seen_.end()) continue;
       seen_.push_back(pattern);
       merge_runs(pattern, rays);
-      const auto runs = fine_.patterns.sets(pattern);
+      const auto runs = fine_->patterns.sets(pattern);
       for (uint32_t i = 0; i < runs.size(); ++i) {
         if (touch_[i]) add_interval(lo_[i], hi_[i], runs[i]);
         else
           for (const uint32_t r : rays) {
-            if (fine_.pattern[r] != pattern) continue;
-            const uint32_t* at = fine_.at.data() + fine_.begin[r];  // an inner run: the ends always touch
+            if (fine_->pattern[r] != pattern) continue;
+            const uint32_t* at = fine_->at.data() + fine_->begin[r];  // an inner run: the ends always touch
             add_interval(at[i - 1] >> shift_, (at[i] - 1) >> shift_, runs[i]);
           }
       }
@@ -226,18 +232,18 @@ class CoarseRay {
     // Where sets are that many, unions seldom occur again, and what they are made of on the way would be most of the table.
     constexpr uint32_t kMany = 4096;
     SetId set = all[0];
-    if (all.size() < 3 || sets_.ids() - sets_.labels() < kMany) {
-      for (const SetId s : all.subspan(1)) set = sets_.unite(set, s);
+    if (all.size() < 3 || sets_->ids() - sets_->labels() < kMany) {
+      for (const SetId s : all.subspan(1)) set = sets_->unite(set, s);
       return set;
     }
     std::vector<Label> members;
     for (const SetId s : all) {
-      const std::vector<Label> of = sets_.members(s);
+      const std::vector<Label> of = sets_->members(s);
       members.insert(members.end(), of.begin(), of.end());
     }
     std::ranges::sort(members);
     members.erase(std::unique(members.begin(), members.end()), members.end());
-    return sets_.intern(members);
+    return sets_->intern(members);
   }
 
   void emit(uint32_t at, SetId set) {
@@ -246,18 +252,20 @@ class CoarseRay {
     labels_.push_back(set);
   }
 
-  const RayBlock& fine_;
-  const int shift_;
-  const uint32_t last_;  // the last coarse cell
-  SetTable& sets_;
+  const RayBlock* fine_ = nullptr;
+  int shift_ = 0;
+  uint32_t last_ = 0;  // the last coarse cell
+  SetTable* sets_ = nullptr;
   std::vector<uint32_t> lo_, hi_, seen_, changes_, least_, most_, places_;
-  std::vector<Apart> apart_;  // of each pattern
+  std::vector<Apart> apart_;  // of each pattern, and perhaps some more
   std::vector<uint8_t> touch_;
   std::vector<SetId> labels_;
   std::vector<Event> events_;
   std::vector<Active> active_;
   std::vector<SetId> present_;
 };
+
+namespace {
 
 // The keys below a node, the first and the last. Its own key is that of its place among the nodes of its height.
 std::pair<uint64_t, uint64_t> keys_below(int height, uint32_t cu, uint32_t cv) {
@@ -290,7 +298,12 @@ bool TreeRange::has_any(int height, uint32_t cu, uint32_t cv) const {
   return first <= highest && lowest < end;
 }
 
-Chunk coarsen(const Chunk& chunk, int shift) {
+Chunk coarsen(const Chunk& chunk, int shift) { return Coarsener().coarsen(chunk, shift); }
+
+Coarsener::Coarsener() : ray_(std::make_unique<Ray>()) {}
+Coarsener::~Coarsener() = default;
+
+Chunk Coarsener::coarsen(const Chunk& chunk, int shift) {
   const RayBlock& fine = chunk.rays;
   const uint32_t width = 1u << shift;
   Chunk coarse{{}, chunk.sets};  // unions get ids in this table
@@ -303,7 +316,8 @@ Chunk coarsen(const Chunk& chunk, int shift) {
   out.pattern.reserve(out.rays());
   out.begin.reserve(out.rays() + 1);
   out.at.reserve((fine.at.size() >> (2 * shift)) * 3);  // a change mostly becomes two
-  CoarseRay ray(fine, shift, coarse.sets);
+  Ray& ray = *ray_;
+  ray.begin(fine, shift, coarse.sets);
   std::vector<uint32_t> differ(fine.nu);  // from the ray of the first row
   for (uint32_t v = 0; v < fine.nv; v += width) {
     const uint32_t rows = std::min(width, fine.nv - v);

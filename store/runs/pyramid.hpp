@@ -1,5 +1,7 @@
 // The pyramid: a coarse cell's set is the union of the sets below it (FORMAT.md, "Grid, rays, levels, chunks"). Pure.
 #pragma once
+#include <memory>
+
 #include "store/runs/run.hpp"
 
 namespace teracell::inline store {
@@ -24,5 +26,17 @@ struct TreeRange {
 // Merges 2^shift x 2^shift rays, and 2^shift cells along them, into one; the last ones of each axis may be partial.
 // REQUIRES: shift is 1 (one level) or 2 (two).
 Chunk coarsen(const Chunk& fine, int shift);
+
+// The same again and again, with memory that is used anew: for a grid's many chunks. Not thread-safe.
+class Coarsener {
+ public:
+  Coarsener();
+  ~Coarsener();
+  Chunk coarsen(const Chunk& fine, int shift);
+
+ private:
+  class Ray;
+  std::unique_ptr<Ray> ray_;
+};
 
 }  // namespace teracell::store
