@@ -1,6 +1,8 @@
 #include "mesher/closing/boundary.hpp"
 
 #include <algorithm>
+#include <bit>
+#include <numeric>
 
 #include <fmt/format.h>
 
@@ -67,8 +69,16 @@ void OppositeSample::keep(uint64_t facet) {
   if (facets_.size() >= 2 * kFacets) shrink();
 }
 
+// Keys are hashes, so that their high bits alone put nearly each into its place. (A sort of all took a tenth of the time of a small run.)
 void OppositeSample::shrink() {
-  std::ranges::sort(facets_);
+  const int shift = std::bit_width(most_) - std::bit_width(kFacets);
+  std::vector<uint32_t> end(2 * kFacets + 2);
+  for (const uint64_t f : facets_) ++end[(f >> shift) + 2];
+  std::partial_sum(end.begin(), end.end(), end.begin());
+  std::vector<uint64_t> sorted(facets_.size());
+  for (const uint64_t f : facets_) sorted[end[(f >> shift) + 1]++] = f;
+  for (size_t i = 0; i < 2 * kFacets; ++i) std::sort(sorted.begin() + end[i], sorted.begin() + end[i + 1]);
+  facets_ = std::move(sorted);
   facets_.erase(std::ranges::unique(facets_).begin(), facets_.end());  // or a facet that is given a million times would fill the sample
   if (facets_.size() <= kFacets) return;
   most_ = facets_[kFacets] | 1;

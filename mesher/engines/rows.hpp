@@ -60,10 +60,10 @@ class RayFinder {
   double lowest_, per_ray_, most_, slack_ = 1;
 };
 
-// The line through lo and hi, two vertices of a facet with lo below hi in v.
+// The line through lo and hi, two vertices of a facet with lo below hi in v; if they are at the same v, it meets no row.
 class FacetEdge {
  public:
-  FacetEdge() = default;  // not set: most facets need only two of their three edges
+  FacetEdge() = default;
   FacetEdge(const Vec3& lo, const Vec3& hi, const RayFrame& f)
       : lo_u_(lo[f.u]), lo_v_(lo[f.v]), hi_u_(hi[f.u]), hi_v_(hi[f.v]), slope_((hi_u_ - lo_u_) / (hi_v_ - lo_v_)) {
     // u(v) = lo_u + (v - lo_v) * slope: six roundings relative to at most |hi_u - lo_u|, and one relative to |lo_u| more. An edge
@@ -119,9 +119,8 @@ class FacetRows {
     end_ = rows.from((*hi)[f.v]);
     if (begin_ == end_) return;
     turn_ = std::clamp(rows.from((*mid)[f.v]), begin_, end_), turn_v_ = (*mid)[f.v];
-    longest_ = FacetEdge(*lo, *hi, f);
-    if (begin_ < turn_) lower_ = FacetEdge(*lo, *mid, f);
-    if (turn_ < end_) upper_ = FacetEdge(*mid, *hi, f);
+    // One of the shorter edges may have no rows, and perhaps no height. That is seldom known before, and costs less than a branch.
+    longest_ = FacetEdge(*lo, *hi, f), lower_ = FacetEdge(*lo, *mid, f), upper_ = FacetEdge(*mid, *hi, f);
   }
   uint32_t begin() const { return begin_; }
   uint32_t end() const { return end_; }
