@@ -46,7 +46,7 @@ uint64_t key(const std::string& name) { return checksum({reinterpret_cast<const 
 TEST_CASE("the sum of labels is that of the cells one by one, along any axis, in blocks of any place") {
   std::mt19937 random(7);
   const std::array<uint64_t, 3> keys = {key(std::string("air\0", 4)), key(std::string("steel\0hull", 10)), key(std::string("steel\0mast", 10))};
-  const Index3 n{7, 90, 66000};  // more cells than there are powers in a table
+  const Index3 n{7, 90, 264000};  // more cells than there are powers in a table
   for (int axis = 0; axis < 3; ++axis) {
     const Metadata meta = metadata(n, axis);
     const LabelsAdder adder(meta);
