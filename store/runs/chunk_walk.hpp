@@ -14,7 +14,7 @@ inline constexpr uint32_t kGroup = 5;    // narrow residuals that share a byte, 
 inline constexpr uint8_t kSpelled = 243;  // a group with a byte for each of its residuals: 3^5
 
 inline uint32_t zigzag(int32_t v) { return (static_cast<uint32_t>(v) << 1) ^ static_cast<uint32_t>(v >> 31); }
-inline int32_t unzigzag(uint32_t v) { return static_cast<int32_t>(v >> 1) ^ -static_cast<int32_t>(v & 1); }
+constexpr int32_t unzigzag(uint32_t v) { return static_cast<int32_t>(v >> 1) ^ -static_cast<int32_t>(v & 1); }
 
 // The pattern expected at (u, v) from the rays before it. If the left neighbour has the pattern of the ray above it, this
 // ray probably has that of the ray above it, too. Otherwise it probably has that of the left neighbour. So where nothing is unexpected, a row has
