@@ -248,7 +248,8 @@ struct Picture {
     // Rays that equal the next ones are all alike. Mostly all of them are; otherwise, some at a time.
     const auto alike = [&](uint32_t ray, uint32_t rays) { return std::memcmp(pattern + ray, pattern + ray + 1, rays * sizeof *pattern) == 0; };
     if (alike(from, end - from - 1)) return end;
-    for (constexpr uint32_t kSome = 16; from + kSome < end && alike(from, kSome); from += kSome) {}
+    constexpr uint32_t kSome = 16;
+    while (from + kSome < end && alike(from, kSome)) from += kSome;
     const uint32_t first = pattern[from];
     while (from < end && pattern[from] == first) ++from;
     return from;

@@ -63,7 +63,8 @@ void decode_patterns(ByteReader& in, RayBlock& b, const std::vector<SetId>& pale
   for (uint32_t row = 0; row < b.rays(); row += b.nu) {
     begin[row] = static_cast<uint32_t>(changes);
     for (uint32_t ray = row, end = row + b.nu; ray < end;) {
-      const uint32_t next = exception == exceptions.end() ? end : std::min(end, exception->first);  // what is before it is as expected_pattern() has it
+      const uint32_t next =
+          exception == exceptions.end() ? end : std::min(end, exception->first);  // what is before it is as expected_pattern() has it
       if (ray == next) {
         fill(ray, ray + 1, exception++->second);
         ++ray;
@@ -113,9 +114,13 @@ class Sums {
   Sums(ByteReader& in, uint64_t count, Buffer& buffer) : in_(in), groups_(in.take((count + kGroup - 1) / kGroup)), buffer_(buffer) {
     uint8_t largest = 0;
     uint64_t spelled = 0;
-    for (const uint8_t group : groups_) {
-      spelled += group == kSpelled;
-      largest = std::max(largest, group);
+    for (size_t i = 0; i < groups_.size();) {
+      uint8_t some = 0;  // a byte, so that vectors count many at once
+      for (const size_t end = std::min(groups_.size(), i + 255); i < end; ++i) {
+        some += groups_[i] == kSpelled;
+        largest = std::max(largest, groups_[i]);
+      }
+      spelled += some;
     }
     if (largest > kSpelled) in.fail(fmt::format("a group of residuals must be at most {}, found {}", kSpelled, largest));
     const std::span<const uint8_t> full = in.take(kGroup * spelled);
@@ -234,7 +239,7 @@ void decode_plane(Sums& sums, uint32_t* at, const uint32_t* up, uint32_t n, uint
       for (uint32_t from = 0, to; from < rays; from = to) {
         to = std::min(rays, from + Sums::kMost);
         const Sums::Some some = sums.take(to - from);
-        uint32_t *out = at + size_t{from} * n + change;
+        uint32_t* out = at + size_t{from} * n + change;
         const uint32_t *above = up + size_t{from} * n + change, moved = *(out - n) - *(above - n) - some.before;
         for (uint32_t ray = 0; ray < to - from; ++ray, out += n, above += n) *out = *above + some.sums[ray] + moved;
       }
@@ -273,6 +278,10 @@ void decode_plane(Sums& sums, uint32_t* at, const uint32_t* up, uint32_t n, uint
 // `plane` decodes the changes of a stretch that the plane predicts.
 template <class Plane>
 void decode_stretches(ByteReader& in, RayBlock& b, const std::vector<RayStretch>& stretches, Plane plane) {
+  const auto number = [&]() -> uint32_t {  // a varint, which has mostly one byte
+    const uint32_t first = in.take(1).front();
+    return first < 0x80 ? first : (first & 0x7F) | static_cast<uint32_t>(in.varint(0, ~0u >> 7, "change")) << 7;
+  };
   for (const RayStretch& s : stretches) {
     uint32_t* const at = b.at.data() + b.begin[s.from];
     const uint32_t n = b.begin[s.from + 1] - b.begin[s.from];
@@ -282,7 +291,7 @@ void decode_stretches(ByteReader& in, RayBlock& b, const std::vector<RayStretch>
     }
     const uint32_t* like = b.at.data() + b.begin[s.how == From::kUp ? s.from - b.nu : s.from - (s.how == From::kLeft)];
     for (uint32_t i = 0; i < n; ++i) {
-      const auto wide = static_cast<uint32_t>(in.varint(0, ~0u, "change"));
+      const uint32_t wide = number();
       at[i] = s.how == From::kNothing ? (i == 0 ? 0 : at[i - 1]) + wide + 1 : like[i] + static_cast<uint32_t>(unzigzag(wide));
     }
   }
@@ -303,14 +312,18 @@ void decode_stretches(ByteReader& in, RayBlock& b, const std::vector<RayStretch>
   stretches.clear();
   uint64_t planar = 0;
   walk(
-      b, [&](uint32_t ray, From from) { stretches.push_back({ray, ray + 1, from}); },
+      b,
+      [&](uint32_t ray, From from) {
+        stretches.push_back({ray, ray + 1, from});
+      },
       [&](uint32_t from, uint32_t to) {
         stretches.push_back({from, to, From::kPlane});
         planar += b.begin[to] - b.begin[from];
       });
   if (in_groups) {
     Sums sums(in, planar, buffer);
-    return decode_stretches(in, b, stretches, [&](uint32_t* at, const uint32_t* up, uint32_t n, uint32_t rays) { decode_plane(sums, at, up, n, rays); });
+    return decode_stretches(in, b, stretches,
+                            [&](uint32_t* at, const uint32_t* up, uint32_t n, uint32_t rays) { decode_plane(sums, at, up, n, rays); });
   }
   const uint8_t* narrow = in.take(planar).data();
   decode_stretches(in, b, stretches, [&](uint32_t* at, const uint32_t* up, uint32_t n, uint32_t rays) {
