@@ -99,11 +99,15 @@ void PngWriter::know(std::span<const uint16_t> numbers) {
 }
 
 void PngWriter::row(std::span<const uint16_t> numbers) {
-  if (std::ranges::equal(numbers_, numbers)) return rows_->repeat();
   changed_.clear();
   append_changes(numbers_, numbers, changed_);
-  numbers_.assign(numbers.begin(), numbers.end());
-  for (const size_t group : changed_) know(numbers.subspan(8 * group, std::min(numbers.size() - 8 * group, size_t{8})));
+  if (changed_.empty()) return rows_->repeat();
+  numbers_.resize(numbers.size());
+  for (const size_t group : changed_) {
+    const auto eight = numbers.subspan(8 * group, std::min(numbers.size() - 8 * group, size_t{8}));
+    know(eight);
+    std::ranges::copy(eight, numbers_.begin() + static_cast<ptrdiff_t>(8 * group));
+  }
   rows_->row(numbers, changed_, value_.data());
 }
 

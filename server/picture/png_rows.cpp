@@ -13,25 +13,25 @@ constexpr int64_t kReduceWeighted = int64_t{1} << 32, kReduceB = int64_t{1} << 6
 }  // namespace
 
 void append_changes(std::span<const uint16_t> above, std::span<const uint16_t> row, std::vector<uint32_t>& groups) {
-  const size_t whole = row.size() / 8, all = (row.size() + 7) / 8, before = groups.size();
-  if (!above.empty() && std::memcmp(above.data(), row.data(), row.size_bytes()) == 0) return;
-  groups.resize(before + all);
-  uint32_t* end = groups.data() + before;
-  for (uint32_t g = 0; g < whole; ++g) {
-    *end = g;
-    bool differs = above.empty();
-    if (!differs) {
-      std::array<uint64_t, 2> a, b;
-      std::memcpy(a.data(), &above[8 * size_t{g}], 16);
-      std::memcpy(b.data(), &row[8 * size_t{g}], 16);
-      differs = ((a[0] ^ b[0]) | (a[1] ^ b[1])) != 0;
+  const size_t whole = row.size() / 8, all = (row.size() + 7) / 8;
+  const auto differ = [&](size_t first, size_t count) {  // numbers
+    return above.empty() || std::memcmp(above.data() + first, row.data() + first, count * sizeof(uint16_t)) != 0;
+  };
+  // Most stretches of a row are as above: those are passed at the speed of memcmp.
+  constexpr size_t kStretch = 128;
+  for (size_t from = 0, to; from < whole; from = to) {
+    to = std::min(from + kStretch, whole);
+    if (!differ(8 * from, 8 * (to - from))) continue;
+    const size_t before = groups.size();
+    groups.resize(before + (to - from));
+    uint32_t* end = groups.data() + before;
+    for (size_t g = from; g < to; ++g) {
+      *end = static_cast<uint32_t>(g);
+      end += differ(8 * g, 8);
     }
-    end += differs;
+    groups.resize(static_cast<size_t>(end - groups.data()));
   }
-  if (whole < all &&
-      (above.empty() || !std::equal(row.begin() + static_cast<ptrdiff_t>(8 * whole), row.end(), above.begin() + static_cast<ptrdiff_t>(8 * whole))))
-    *end++ = static_cast<uint32_t>(whole);
-  groups.resize(static_cast<size_t>(end - groups.data()));
+  if (whole < all && differ(8 * whole, row.size() - 8 * whole)) groups.push_back(static_cast<uint32_t>(whole));
 }
 
 PngRows::PngRows(uint32_t width, uint32_t height, std::span<const Rgba> palette, PngFile::Sink sink)

@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstring>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -21,6 +22,7 @@
 #include <fmt/format.h>
 
 #include "store/base/in_order.hpp"
+#include "store/base/system/vector_units.hpp"
 #include "store/grid/set_memo.hpp"
 
 namespace teracell::inline store {
@@ -87,10 +89,19 @@ struct Picture {
     std::optional<uint16_t> all;
     std::shared_ptr<const Chunk> cells;
   };
-  Known known(const ChunkKey& key, std::shared_ptr<Chunk>& scratch) const {
+  // What is used again from one chunk to the next.
+  struct Scratch {
+    std::shared_ptr<Chunk> chunk;
+    std::vector<Label> set;  // the last one that filled a chunk, and its value: it is mostly the same
+    std::optional<uint16_t> value;
+  };
+  Known known(const ChunkKey& key, Scratch& scratch) const {
     try {
-      if (const auto set = reader.uniform(key)) return {static_cast<uint16_t>(value(*set)), nullptr};
-      return {std::nullopt, reader.chunk(key, scratch)};
+      if (auto set = reader.uniform(key)) {
+        if (!scratch.value || scratch.set != *set) scratch.value = static_cast<uint16_t>(value(*set)), scratch.set = std::move(*set);
+        return {scratch.value, nullptr};
+      }
+      return {std::nullopt, reader.chunk(key, scratch.chunk)};
     } catch (const FormatError&) {
       if (!unreadable) throw;
       if (reader.stored(key.level)) return {unreadable, nullptr};
@@ -179,7 +190,7 @@ struct Picture {
     by_parts(side, side, [&](Part& part) {
       const Band& band = part.band;
       const auto cv = static_cast<uint32_t>(band.from / side);
-      std::shared_ptr<Chunk> scratch;
+      Scratch scratch;
       int64_t alike = part.u0;  // from here on all rows are to be like the lowest one
       const auto repeat = [&](int64_t end) {
         const uint16_t* const lowest = part.cells.get() + (alike - part.u0);
@@ -211,38 +222,82 @@ struct Picture {
         view.level, shape.chunk_rays, segment, [&](const Chunk& chunk, const Patch& p) __attribute__((noinline)) {
           const RayBlock& b = chunk.rays;
           Values values(chunk.sets, value, unreadable);
-          for (uint32_t v = p.v0; v < p.v1; ++v) {
-            uint16_t* out = p.out + (v - p.v0) * p.stride;
-            for (uint32_t ray = v * b.nu + p.u0, end = v * b.nu + p.u1, next; ray < end; out += next - ray, ray = next) {
-              for (next = ray + 1; next < end && b.pattern[next] == b.pattern[ray];) ++next;
-              paint_alike(b, ray, next, cell, values, out);
+          Alike alike;
+          const bool whole_rows = p.u1 - p.u0 == b.nu;  // then those of one pattern, which are most, are painted at once
+          for (uint32_t v = p.v0, rows = 1; v < p.v1; v += std::exchange(rows, 1)) {
+            const uint32_t from = v * b.nu + p.u0, end = v * b.nu + p.u1;
+            for (uint32_t ray = from, next; ray < end; ray = next) {
+              next = end_of_alike(b, ray, whole_rows && ray == from ? p.v1 * b.nu : end);
+              if (next > end) rows = (next - from) / b.nu, next = end;
+              if (alike.pattern != b.pattern[ray]) alike = Alike(b, b.pattern[ray], values);
+              uint16_t* const out = p.out + (v - p.v0) * p.stride + (ray - from);
+              if (alike.runs > 0) {
+                paint_alike(alike, b.at.data() + b.begin[ray], cell, {out, p.stride, next - ray, rows});
+                continue;
+              }
+              for (uint32_t row = 0; row < rows; ++row)
+                for (uint32_t i = 0; i < next - ray; ++i) out[row * p.stride + i] = values(b.set_at(row * b.nu + ray + i, cell));
             }
           }
         });
   }
 
-  // Rays [from, to) of one pattern, of which each gives the value of one cell. Those with few runs have the values of all at hand.
-  static void paint_alike(const RayBlock& b, uint32_t from, uint32_t to, uint32_t cell, Values& values, uint16_t* out) {
-    const std::span<const SetId> sets = b.sets(from);
-    const uint32_t* at = b.changes(from).data();
-    std::array<uint16_t, 4> of_runs;
-    if (sets.size() > of_runs.size()) {
-      for (uint32_t ray = from; ray < to; ++ray) *out++ = values(sets[run_at(b.changes(ray), cell)]);
-      return;
+  // The end of the rays of [from, end) that have the pattern of the first.
+  static uint32_t end_of_alike(const RayBlock& b, uint32_t from, uint32_t end) {
+    const uint32_t* const pattern = b.pattern.data();
+    // Rays that equal the next ones are all alike. Mostly all of them are; otherwise, some at a time.
+    const auto alike = [&](uint32_t ray, uint32_t rays) { return std::memcmp(pattern + ray, pattern + ray + 1, rays * sizeof *pattern) == 0; };
+    if (alike(from, end - from - 1)) return end;
+    constexpr uint32_t kSome = 16;
+    while (from + kSome < end && alike(from, kSome)) from += kSome;
+    const uint32_t first = pattern[from];
+    while (from < end && pattern[from] == first) ++from;
+    return from;
+  }
+
+  // A pattern and the values of its runs, if these are few; otherwise `runs` is 0.
+  struct Alike {
+    uint32_t pattern = ~0u, runs = 0;
+    std::array<uint16_t, 4> of_runs{};
+    Alike() = default;
+    Alike(const RayBlock& b, uint32_t number, Values& values) : pattern(number) {
+      const std::span<const SetId> sets = b.patterns.sets(number);
+      if (sets.size() > of_runs.size()) return;
+      runs = static_cast<uint32_t>(sets.size());
+      std::transform(sets.begin(), sets.end(), of_runs.begin(), std::ref(values));
     }
-    std::transform(sets.begin(), sets.end(), of_runs.begin(), std::ref(values));
+  };
+
+  // Rows of pixels.
+  struct Pixels {
+    uint16_t* out;
+    int64_t stride;
+    uint32_t wide, rows;
+  };
+  // Rays of one pattern, of which each gives the value of one cell. `changes`: theirs.
+  static void paint_alike(const Alike& alike, const uint32_t* changes, uint32_t cell, const Pixels& pixels) {
     // A value is that of the first run, changed by each change up to the cell: without look-ups, so that it is done for several rays at once.
     const auto paint = [&]<uint32_t N>(std::integral_constant<uint32_t, N>) {
-      std::array<uint16_t, N> changed;
-      for (uint32_t i = 0; i < N; ++i) changed[i] = of_runs[i] ^ of_runs[i + 1];
-      for (uint32_t ray = 0; ray < to - from; ++ray) {
-        uint16_t shown = of_runs[0];
-        for (uint32_t i = 0; i < N; ++i) shown ^= at[N * ray + i] <= cell ? changed[i] : 0;
-        out[ray] = shown;
-      }
+      on_vector_unit([&alike, changes, cell, pixels]() TERACELL_IN_LINE {
+        std::array<uint16_t, N> changed;
+        for (uint32_t i = 0; i < N; ++i) changed[i] = alike.of_runs[i] ^ alike.of_runs[i + 1];
+        const uint16_t first = alike.of_runs[0];
+        const uint32_t* at = changes;
+        const uint32_t last = cell;
+        uint16_t* row = pixels.out;
+        const size_t wide = pixels.wide;
+        for (uint32_t left = pixels.rows; left > 0; --left, row += pixels.stride, at += N * wide) {
+          uint16_t* __restrict const out = row;
+          for (size_t ray = 0; ray < wide; ++ray) {
+            uint16_t shown = first;
+            for (size_t i = 0; i < N; ++i) shown ^= at[N * ray + i] <= last ? changed[i] : 0;
+            out[ray] = shown;
+          }
+        }
+      });
     };
-    switch (sets.size()) {
-      case 1: std::fill_n(out, to - from, of_runs[0]); break;
+    switch (alike.runs) {
+      case 1: paint(std::integral_constant<uint32_t, 0>()); break;
       case 2: paint(std::integral_constant<uint32_t, 1>()); break;
       case 3: paint(std::integral_constant<uint32_t, 2>()); break;
       default: paint(std::integral_constant<uint32_t, 3>());
@@ -288,7 +343,7 @@ struct Picture {
     const auto w0 = static_cast<uint32_t>(std::max<int64_t>(along.from - first_cell, 0));
     const auto w1 = static_cast<uint32_t>(std::min<int64_t>(along.to - first_cell, shape.length(segment)));
     const auto fixed_chunk = static_cast<uint32_t>(view.index / shape.chunk_rays), fixed = static_cast<uint32_t>(view.index % shape.chunk_rays);
-    std::shared_ptr<Chunk> scratch;
+    Scratch scratch;
     for (int64_t c = lo / shape.chunk_rays; c * shape.chunk_rays < hi; ++c) {
       const int64_t first = c * shape.chunk_rays, from = std::max(lo, first), to = std::min<int64_t>(hi, first + shape.chunk_rays);
       const auto counted = static_cast<uint32_t>(c);

@@ -1,5 +1,6 @@
 // What the encoder and the decoder of chunks share: the order in which they go through the rays, and what they expect of each from those before.
 #pragma once
+#include <cstring>
 #include <optional>
 
 #include "store/base/zstd_frame.hpp"
@@ -14,7 +15,7 @@ inline constexpr uint32_t kGroup = 5;    // narrow residuals that share a byte, 
 inline constexpr uint8_t kSpelled = 243;  // a group with a byte for each of its residuals: 3^5
 
 inline uint32_t zigzag(int32_t v) { return (static_cast<uint32_t>(v) << 1) ^ static_cast<uint32_t>(v >> 31); }
-inline int32_t unzigzag(uint32_t v) { return static_cast<int32_t>(v >> 1) ^ -static_cast<int32_t>(v & 1); }
+constexpr int32_t unzigzag(uint32_t v) { return static_cast<int32_t>(v >> 1) ^ -static_cast<int32_t>(v & 1); }
 
 // The pattern expected at (u, v) from the rays before it. If the left neighbour has the pattern of the ray above it, this
 // ray probably has that of the ray above it, too. Otherwise it probably has that of the left neighbour. So where nothing is unexpected, a row has
@@ -53,7 +54,9 @@ template <class One, class Plane>
 void walk(const RayBlock& b, One&& one, Plane&& plane) {
   std::optional<uint32_t> above;
   for (uint32_t v = 0; v < b.nv; ++v) {
-    const std::optional<uint32_t> of_all = changes_of_all(b, v);
+    const uint32_t* const pattern = b.pattern.data() + size_t{v} * b.nu;
+    const bool like_above = v > 0 && std::memcmp(pattern, pattern - b.nu, size_t{b.nu} * sizeof *pattern) == 0;  // mostly, and quicker than counting
+    const std::optional<uint32_t> of_all = like_above ? above : changes_of_all(b, v);
     const bool as_above = of_all && of_all == above;
     above = of_all;
     if (of_all == 0) continue;

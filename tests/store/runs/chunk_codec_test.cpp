@@ -6,6 +6,7 @@
 #include "store/format/format.hpp"
 #include "store/runs/chunk_walk.hpp"
 #include "tests/support/blocks.hpp"
+#include "tests/support/every_way.hpp"
 #include "tests/support/test.hpp"
 
 namespace teracell {
@@ -153,6 +154,14 @@ TEST_CASE("The largest chunk, 256 x 256 rays, comes back as it was") {
   std::mt19937_64 random(2);
   expect_round_trip(random_chunk(random, BlockKind::kSmooth, 256, 256, 300, 3));
   expect_round_trip(random_chunk(random, BlockKind::kDifferent, 256, 256, 300, 3));
+}
+
+TEST_CASE("Rows of more rays than are decoded at once come back as they were, on each vector unit") {
+  for (const VectorUnit unit : {VectorUnit::kPlain, VectorUnit::kAvx2, VectorUnit::kAvx512}) {
+    const OnVectorUnit on(unit);
+    std::mt19937_64 random(12);
+    for (const BlockKind kind : kAllKinds) expect_round_trip(random_chunk(random, kind, 3000, 3, kind == BlockKind::kJagged ? 20000 : 40, 3));
+  }
 }
 
 TEST_CASE("Rays of two billion cells with changes anywhere come back as they were") {
