@@ -181,7 +181,7 @@ uint32_t FractionCounter::find_alike(uint32_t v, uint32_t begin, uint32_t end, c
   const Label label = changes == 0 ? 0 : sets[1];
   for (uint32_t i = 0; i <= changes; ++i)
     if (changes % 2 != 0 || sets[i] != (i % 2 == 0 ? 0 : label)) return end;
-  const uint32_t* const begins = crossings_.begin.data() + size_t{v} * sv * row_size + begin * su;
+  const uint32_t* const begins = crossings_.begin.data() + size_t{v} * sv * row_size + size_t{begin} * su;
   for (uint32_t j = 0; j < sv; ++j) {
     const uint32_t* const row = begins + size_t{j} * row_size;
     Lanes differences = {};
@@ -250,7 +250,7 @@ void FractionCounter::count_alike(const Alike& rays, const uint32_t* begins, con
       uint32_t ray[kLanes];
       for (uint32_t l = 0; l < kLanes; ++l) ray[l] = std::min(first + l, size - 1);
       const Lanes zero = {}, all_of_one = zero + per_ray;
-      Lanes before = zero, good = zero == zero;
+      Lanes before = zero, good = ~zero;
       size_t counts = 0;
       for (uint32_t n = 0; n < changes; ++n) {
         Lanes least = zero + INT32_MAX, greatest = zero;
@@ -281,7 +281,7 @@ void FractionCounter::count_alike(const Alike& rays, const uint32_t* begins, con
           Lanes sum = zero;
           for (uint32_t s = 0; s < su * sv; ++s) {
             Lanes p;
-            __builtin_memcpy(&p, places + s * kLanes, sizeof p);
+            __builtin_memcpy(&p, places + size_t{s} * kLanes, sizeof p);
             p = cell_end - p;
             p = p < zero ? zero : p;
             sum += p > all_of_one ? all_of_one : p;
@@ -347,7 +347,7 @@ void FractionCounter::compose_others(uint32_t v, const Box& cells) {
   for (uint32_t j = 0; j < sv; ++j) {
     const uint32_t* const begins = crossings_.begin.data() + (size_t{v} * sv + j) * sub_tile_.u.size();
     for (const uint32_t i : others_) {
-      const uint32_t* const ray = begins + i * su;
+      const uint32_t* const ray = begins + size_t{i} * su;
       const auto shift = static_cast<uint32_t>(c.all.size()) - ray[0];
       c.all.insert(c.all.end(), crossings_.all.begin() + ray[0], crossings_.all.begin() + ray[su]);
       for (uint32_t k = 1; k <= su; ++k) c.begin.push_back(ray[k] + shift);
