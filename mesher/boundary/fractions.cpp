@@ -25,7 +25,7 @@ constexpr uint32_t kMostSimpleChanges = 64;
 // Numbers of eight rays at once. They are written out as vectors, since compilers leave most such loops as they are at -O2.
 constexpr uint32_t kLanes = 8;
 using Lanes [[gnu::vector_size(32)]] = int32_t;
-using Words [[gnu::vector_size(32)]] = uint64_t;
+using CrossingLanes [[gnu::vector_size(32)]] = uint64_t;
 
 // Calls f(from, to) for pieces of [lo, hi) of a length.
 template <class F>
@@ -232,14 +232,14 @@ void FractionCounter::count_alike(const Alike& rays, const uint32_t* begins, con
     size_t used = 0;
     on_vector_unit([=, &used]() TERACELL_IN_LINE {
       // The crossings of a row lie side by side, and go up and down by turns.
-      const Words expected = {turns, turns ^ 1, turns, turns ^ 1};
-      Words different = {};
+      const CrossingLanes expected = {turns, turns ^ 1, turns, turns ^ 1};
+      CrossingLanes different = {};
       for (uint32_t j = 0; j < sv; ++j) {
         const uint64_t* const c = all + begins[j * row_size] + size_t{first} * su * changes;
         const uint32_t words = width * su * changes;
         uint32_t i = 0;
         for (; i + 4 <= words; i += 4) {
-          Words x;
+          CrossingLanes x;
           __builtin_memcpy(&x, c + i, sizeof x);
           different |= x ^ expected;
         }
