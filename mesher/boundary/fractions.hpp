@@ -28,12 +28,31 @@ class FractionCounter {
     uint32_t at;
     Label from, to;
   };
+  // Rays [begin, end) of a row of the block's rays: they have the same pattern, of a body and the background by turns, and their sub-rays have as
+  // many crossings each. What is known of them lies from `spans` on in spans_, for eight rays at a time.
+  struct Alike {
+    uint32_t begin, end, changes;
+    Label label;
+    size_t spans;
+  };
+  // The cells [from, to) that a change of each of eight rays is spread over. From `counts` on, behind_ has how many sub-samples of the first of them
+  // lie behind the change, ray by ray, then those of the second, and so on.
+  struct Spans {
+    int32_t from[8], to[8];
+    size_t counts;
+  };
   // Appends the rays of a block.
   void count_block(const Box& tile, const Box& cells, std::span<const SceneFacet* const> facets, Engine& engine, const RayBlock& runs,
                    MixedCells& out);
   void cast(const Box& cells, std::span<const SceneFacet* const> facets, Engine& engine);
-  bool count_plain_ray(uint32_t u, uint32_t v, const Box& cells, std::span<const uint32_t> ends, std::span<const SetId> sets, MixedCells& out);
-  void find_changes(uint32_t u, uint32_t v);
+  void find_simple(uint32_t v, uint32_t nu, const RayBlock& runs, uint32_t first_ray);
+  uint32_t find_alike(uint32_t v, uint32_t begin, uint32_t end, const RayBlock& runs, uint32_t first_ray);
+  void count_alike(const Alike& rays, const uint32_t* begins, const uint32_t* ends);
+  void add_simple(const Alike& rays, uint32_t begin, uint32_t end, MixedCells& out) const;
+  void compose_others(uint32_t v, const Box& cells);
+  bool count_plain_ray(uint32_t u, const Box& cells, std::span<const uint32_t> ends, std::span<const SetId> sets, MixedCells& out);
+  bool count_two_labels(uint32_t u, const Box& cells, std::span<const uint32_t> ends, std::span<const SetId> sets, MixedCells& out);
+  void find_changes(uint32_t u);
   void count_ray(const Box& cells, std::span<const uint32_t> ends, std::span<const SetId> sets, MixedCells& out);
   void give(Label label, int64_t sub_samples);
 
@@ -41,12 +60,21 @@ class FractionCounter {
   const RayFrame frame_;
   const Subdivision samples_;
   const uint32_t total_;
+  std::vector<Label> label_of_layer_;
   Composer composer_;
   std::pair<int64_t, int64_t> axis_cells_{0, 0};  // axis_ has their sub-samples along the rays
   Axis axis_;
   Tile sub_tile_;
   std::vector<const SceneFacet*> near_;
-  Crossings crossings_;
+  Crossings crossings_;  // of the block's sub-rays
+  // Of a row of rays: which are simple, and how they change; the other ones, and the runs of their sub-rays.
+  std::vector<uint8_t> simple_;
+  std::vector<Alike> alike_;
+  std::vector<Spans> spans_;
+  std::vector<int32_t> places_, behind_;
+  size_t behind_size_ = 0;  // of what behind_ has
+  std::vector<uint32_t> others_;
+  Crossings other_crossings_;
   RayBlock sub_runs_;
   std::vector<MixedCells> blocks_;
   // Of a ray: where its sub-rays change, and how many sub-samples of a cell have which label.

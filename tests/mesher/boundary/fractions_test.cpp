@@ -86,12 +86,12 @@ uint32_t materials_in(const std::vector<Body>& bodies) {
 }
 
 // Along x, y and z, by each engine.
-void expect_exact_shares(const std::vector<Body>& bodies, const Grid& grid, const Subdivision& samples) {
+void expect_exact_shares(const std::vector<Body>& bodies, const Grid& grid, const Subdivision& samples, uint32_t chunk_rays = 4) {
   const TempFolder folder;
   const uint32_t materials = materials_in(bodies);
   const Shares expected = expected_shares(bodies, grid, samples, materials);
   MeshOptions options;
-  options.chunk_rays = 4;  // several chunks and tile groups
+  options.chunk_rays = chunk_rays;  // 4: several chunks and tile groups
   options.fractions = samples;
   for_engines_and_axes(scene_of(folder, bodies, grid), options, [&](const GridReader& reader, const auto&) {
     REQUIRE(subdivision_of(*find_fractions(reader.meta())) == samples);
@@ -128,6 +128,16 @@ TEST_CASE("Shares of decimal lattices, slopes and needles equal the cells of the
     expect_exact_shares(shapes::decimal_bodies(random, 2), cube_grid_of(0, 1.1 / 5, 5), some_subdivision(random));
     expect_exact_shares({{shapes::needle(random)}, {shapes::sphere({4, 5, 3}, 6.3, 2), Rule::kNonzero, 2}}, cube_grid_of(-7, 5, 5), {8, 4, 2});
   });
+}
+
+TEST_CASE("Shares of rows that are longer than vectors equal the cells of the finer grid, on every vector unit") {
+  // The second body is far from the first along x and z, so rows have rays of two patterns, of one body, and of both.
+  const std::vector<Body> bodies = {{shapes::sphere({6, 5, 4}, 4.3, 2)}, {shapes::sphere({15, 5, 11}, 3.7, 1), Rule::kNonzero, 2}};
+  for (const VectorUnit unit : {VectorUnit::kPlain, VectorUnit::kAvx2, VectorUnit::kAvx512}) {
+    const OnVectorUnit on(unit);
+    expect_exact_shares(bodies, cube_grid_of(0, 1, 19), {4, 2, 4}, 64);
+    expect_exact_shares({bodies[0]}, cube_grid_of(0, 0.75, 14), {2, 1, 8}, 64);
+  }
 }
 
 // The part of the cell at `lo`, of size 1, inside a sphere about the origin: exact along lines, midpoints across.
