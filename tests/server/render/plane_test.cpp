@@ -70,18 +70,15 @@ TEST_CASE("All of a plane that lies in the grid is in its picture, and no side o
     // The distance between neighbours is the same to the right and upwards, and these are at right angles.
     REQUIRE(norm(view.right) == Approx(norm(view.up)));
     REQUIRE(std::abs(dot(view.right, view.up)) < 1e-12);
-    int64_t lowest_i = 9999, highest_i = -9999, lowest_j = 9999, highest_j = -9999;
+    int64_t outside_picture = 0;
     for (int64_t j = -20; j < 1044; j += 2)
       for (int64_t i = -20; i < 1044; i += 2) {
+        if (i == 0 && j >= 0 && j < view.j1) i += (view.i1 + 1) / 2 * 2;  // over the picture: whatever is in it may be there
         bool inside = true;
         for (size_t d = 0; d < 3; ++d) inside &= view.middle(d, i, j) >= grid.axis[d].min() && view.middle(d, i, j) < grid.axis[d].max();
-        if (!inside) continue;
-        lowest_i = std::min(lowest_i, i), highest_i = std::max(highest_i, i), lowest_j = std::min(lowest_j, j), highest_j = std::max(highest_j, j);
+        outside_picture += inside;
       }
-    REQUIRE(lowest_i >= 0);
-    REQUIRE(lowest_j >= 0);
-    REQUIRE(highest_i < view.i1);
-    REQUIRE(highest_j < view.j1);
+    REQUIRE(outside_picture == 0);
   }
 }
 
