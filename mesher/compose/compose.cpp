@@ -88,6 +88,16 @@ uint32_t take_pairs(const uint64_t* c, uint32_t rays, uint32_t layer, uint32_t l
   return taken;
 }
 
+// Whether all that happens to the ray follows from the order of its crossings.
+bool can_be_learnt(std::span<const uint64_t> sorted, uint32_t length) {
+  uint32_t before = 0;
+  for (const uint64_t c : sorted) {
+    if (Crossing::cell(c) <= before || Crossing::is_mark(c)) return false;
+    before = Crossing::cell(c);
+  }
+  return before < length;
+}
+
 }  // namespace
 
 Composer::Composer(std::vector<Layer> layers, const std::vector<uint32_t>& rank, const std::vector<Label>& label, const std::vector<Label>& in_others,
@@ -123,7 +133,9 @@ inline void Composer::leave(uint32_t rank, uint32_t cell) {
   const auto place = inside_.back().rank == rank ? inside_.end() - 1 : place_inside(rank);
   const Inside body = *place;
   inside_.erase(place);
-  if (!inside_.empty()) overlaps_.leave(ray_, body, cell, inside_, owner_);
+  if (inside_.empty()) return;
+  overlaps_.leave(ray_, body, cell, inside_, owner_);
+  if (learning_) learn_leaving(body);
 }
 
 // `cell` is the crossing's cell, or the length of the ray if that is less.
@@ -143,6 +155,7 @@ void Composer::step(uint64_t crossing, uint32_t cell) {
     body.layers = static_cast<uint16_t>(body.layers + (is ? 1 : -1));
     if (body.layers == is) {  // otherwise another layer of the body decides
       body.within += is ? -int64_t{cell} : int64_t{cell};
+      if (learning_) learning_->steps.push_back({crossing_, layer.body, 0, is ? -1 : 1});
       if (is) enter({body.rank, layer.body, body.marks > 0 ? kNowhere : cell});
       else leave(body.rank, cell);
     }
@@ -165,6 +178,7 @@ void Composer::note_pairs(std::span<const uint64_t> crossings, uint32_t length) 
 void Composer::compose(Crossings& crossings, uint32_t nu, uint32_t nv, uint32_t length, RayBlock& out) {
   out.reset_in_place(nu, nv, length, crossings.all.size());  // as many changes at most
   alternating_.assign(2, {});
+  for (Course& course : courses_) course.known = false;
   pairs_.clear();
   overlaps_.begin_tile(nu);
   uint32_t* at = out.at.data();
@@ -175,6 +189,7 @@ void Composer::compose(Crossings& crossings, uint32_t nu, uint32_t nv, uint32_t 
     compose_alike(crossings, first, ray, length, at, out);
   }
   out.at.resize(at - out.at.data());
+  for (Course& course : courses_) add_cells(course);
 }
 
 void Composer::compose_alike(Crossings& crossings, uint32_t from, uint32_t to, uint32_t length, uint32_t*& at, RayBlock& out) {
@@ -282,12 +297,31 @@ inline Label Composer::label_here() const {
 }
 
 size_t Composer::compose_any(std::span<const uint64_t> all, uint32_t length, uint32_t*& at, uint32_t& pattern, PatternTable& patterns) {
+  Course& course = courses_[all.empty() ? 0 : (all.size() * 5 + Crossing::layer(all.front()) + Crossing::layer(all.back()) * 3) % kCourses];
+  if (compose_again(course, all, length, at, pattern)) return 0;
+  learning_ = nullptr;
+  if (can_be_learnt(all, length)) {
+    add_cells(course);
+    learning_ = &course;
+    learnt_from_ = all;
+    course.known = false;
+    course.crossings.clear(), course.changes.clear(), course.steps.clear(), course.leaving.clear();
+    for (const uint64_t c : all) course.crossings.push_back(static_cast<uint32_t>(c));
+    course.cells.assign(all.size(), 0);
+  }
   sets_.assign(1, 0);
   owner_ = {kNowhere, 0};
   uint32_t since = 0;
   for (size_t i = 0; i < all.size();) {
     const uint32_t cell = Crossing::cell(all[i]), until = std::min(cell, length);
-    if (!inside_.empty()) bodies_[inside_.back().body].owned += until - since;
+    crossing_ = static_cast<uint32_t>(i);
+    if (!inside_.empty()) {
+      bodies_[inside_.back().body].owned += until - since;
+      if (learning_) {
+        learning_->steps.push_back({crossing_ - 1, inside_.back().body, -1, 0});
+        learning_->steps.push_back({crossing_, inside_.back().body, 1, 0});
+      }
+    }
     since = until;
     const size_t begin = i;
     for (; i < all.size() && Crossing::cell(all[i]) == cell; ++i) step(all[i], until);
@@ -300,10 +334,60 @@ size_t Composer::compose_any(std::span<const uint64_t> all, uint32_t length, uin
     } else if (label != sets_.back()) {
       sets_.push_back(label);
       *at++ = cell;
+      if (learning_) learning_->changes.push_back(crossing_);
     }
   }
   pattern = patterns.intern(sets_);
+  if (learning_ && open_ == 0) {
+    course.known = true;
+    course.pattern = pattern;
+  }
+  learning_ = nullptr;
   return open_;
+}
+
+bool Composer::compose_again(Course& course, std::span<const uint64_t> all, uint32_t length, uint32_t*& at, uint32_t& pattern) {
+  if (!course.known || course.crossings.size() != all.size()) return false;
+  uint32_t differences = 0, before = 0;
+  bool ascending = true;
+  for (size_t i = 0; i < all.size(); ++i) {
+    differences |= static_cast<uint32_t>(all[i]) ^ course.crossings[i];
+    ascending &= Crossing::cell(all[i]) > before;
+    before = Crossing::cell(all[i]);
+  }
+  if (differences != 0 || !ascending || before >= length) return false;
+  for (size_t i = 0; i < all.size(); ++i) course.cells[i] += Crossing::cell(all[i]);
+  for (const uint32_t change : course.changes) *at++ = Crossing::cell(all[change]);
+  const auto cell_of = [&](uint32_t crossing) { return Crossing::cell(all[crossing]); };
+  for (const Course::Leaving& l : course.leaving) {
+    others_.clear();
+    for (const Inside& other : l.others) others_.push_back({other.rank, other.body, cell_of(other.from)});
+    overlaps_.leave(ray_, {l.body.rank, l.body.body, cell_of(l.body.from)}, cell_of(l.to), others_, {l.owner.rank, cell_of(l.owner.since)});
+  }
+  pattern = course.pattern;
+  return true;
+}
+
+// Of the rays that took the course again.
+void Composer::add_cells(Course& course) {
+  if (!course.known) return;
+  for (const Course::Step& s : course.steps) {
+    const auto cells = static_cast<int64_t>(course.cells[s.crossing]);
+    bodies_[s.body].owned += s.owned * cells;
+    bodies_[s.body].within += s.within * cells;
+  }
+}
+
+// The body that the ray leaves at this crossing, and those that it stays inside of.
+void Composer::learn_leaving(const Inside& body) {
+  const auto crossing_of = [&](uint32_t cell) {
+    return static_cast<uint32_t>(std::ranges::lower_bound(learnt_from_, cell, {}, Crossing::cell) - learnt_from_.begin());
+  };
+  Course::Leaving& l = learning_->leaving.emplace_back();
+  l.body = {body.rank, body.body, crossing_of(body.from)};
+  l.to = crossing_;
+  for (const Inside& other : inside_) l.others.push_back({other.rank, other.body, crossing_of(other.from)});
+  l.owner = {owner_.rank, crossing_of(owner_.since)};
 }
 
 }  // namespace teracell::mesher

@@ -5,6 +5,8 @@
 // sample point, the one of the lowest rank gives the label. The cost of a ray depends on the bodies that it meets, not on how
 // many bodies there are.
 #pragma once
+#include <array>
+
 #include "mesher/engines/engine.hpp"
 #include "mesher/overlaps/tile_overlaps.hpp"
 #include "store/runs/run.hpp"
@@ -59,6 +61,27 @@ class Composer {
     Label label = 0;
     uint32_t pattern = ~0u;
   };
+  // What became of a ray that meets several bodies, for the rays after it that meet the same ones in the same order: neighbours mostly do.
+  // Its crossings, all of which lie in different cells, are known by their order.
+  struct Course {
+    struct Step {
+      uint32_t crossing, body;
+      int owned, within;  // how often the crossing's cell counts for the body
+    };
+    struct Leaving {  // of an overlap; `from`, `to` and `since` are crossings
+      Inside body;
+      uint32_t to;
+      std::vector<Inside> others;
+      Owner owner;
+    };
+    bool known = false;
+    uint32_t pattern = 0;
+    std::vector<uint32_t> crossings;  // without their cells
+    std::vector<uint32_t> changes;    // the crossings that are
+    std::vector<Step> steps;
+    std::vector<Leaving> leaving;
+    std::vector<uint64_t> cells;      // by crossing: the sum over the rays since the first one
+  };
   // The rays [from, to) have as many crossings each. Writes their changes at `at`.
   void compose_alike(Crossings& crossings, uint32_t from, uint32_t to, uint32_t length, uint32_t*& at, RayBlock& out);
   // The first of `rays` rays of n crossings each whose crossings are all changes, of one body: returns how many, and sets their pattern.
@@ -67,6 +90,10 @@ class Composer {
   // Both write the changes of a ray at `at`, set its pattern, and return how many layers are still open at its end.
   size_t compose_one_layer(std::span<const uint64_t> all, uint32_t length, uint32_t*& at, uint32_t& pattern, PatternTable& patterns);
   size_t compose_any(std::span<const uint64_t> all, uint32_t length, uint32_t*& at, uint32_t& pattern, PatternTable& patterns);
+  // Whether the ray takes this course. If so, does what compose_any() does.
+  bool compose_again(Course& course, std::span<const uint64_t> all, uint32_t length, uint32_t*& at, uint32_t& pattern);
+  void add_cells(Course& course);
+  void learn_leaving(const Inside& body);
   void step(uint64_t crossing, uint32_t cell);
   void enter(const Inside& body);
   void leave(uint32_t rank, uint32_t cell);
@@ -93,6 +120,12 @@ class Composer {
   std::vector<CrossingPairs> pairs_;
   std::vector<SetId> sets_;
   std::vector<std::vector<Alternating>> alternating_;  // [begins inside][number of changes]
+  static constexpr size_t kCourses = 16;
+  std::array<Course, kCourses> courses_;  // of the tile, by their hashes; the latest ones
+  Course* learning_ = nullptr;            // that of the ray that is being composed, whose crossings these are; null if it has none
+  std::span<const uint64_t> learnt_from_;
+  uint32_t crossing_ = 0;                 // the one that is being stepped
+  std::vector<Inside> others_;            // scratch
 };
 
 }  // namespace teracell::mesher

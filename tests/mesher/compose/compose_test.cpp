@@ -210,6 +210,19 @@ std::vector<uint64_t> pair_of(std::mt19937_64& random, uint32_t length) {
   return {up(static_cast<uint32_t>(first), 0), down(static_cast<uint32_t>(random_int(random, first + least, std::max(first + 1, end - least))), 0)};
 }
 
+// The same crossings in the same order, in other cells, all of which are different. REQUIRES: they are fewer than `length`.
+std::vector<uint64_t> like(std::mt19937_64& random, std::vector<uint64_t> ray, uint32_t length) {
+  std::ranges::sort(ray);
+  std::vector<uint32_t> cells(length - 1);
+  std::iota(cells.begin(), cells.end(), 1);
+  std::ranges::shuffle(cells, random);
+  cells.resize(ray.size());
+  std::ranges::sort(cells);
+  for (size_t i = 0; i < ray.size(); ++i) ray[i] = uint64_t{cells[i]} << 32 | static_cast<uint32_t>(ray[i]);
+  std::ranges::shuffle(ray, random);
+  return ray;
+}
+
 TEST_CASE("Cells, what bodies own and cover, and where they overlap, are those of looking at every cell alone, tile after tile") {
   std::mt19937_64 random(1);
   for (size_t scene = 0; scene < rounds(40); ++scene) {
@@ -225,11 +238,16 @@ TEST_CASE("Cells, what bodies own and cover, and where they overlap, are those o
     Composer composer = bodies.composer();
     for (int tile = 0; tile < 4; ++tile) {  // of a composer that has made others
       const auto length = static_cast<uint32_t>(random_int(random, 1, 30));
-      const bool alike = tile % 2 == 1;  // nearly all rays go into and out of one body, as they mostly do, and many are composed at once
-      const uint32_t nu = alike ? 41 : 5, nv = 3;
+      const bool pairs = tile % 2 == 1;  // nearly all rays go into and out of one body, as they mostly do, and many are composed at once
+      const uint32_t nu = pairs ? 41 : 5, nv = 3;
       const Box tile_cells{{100, 200, 0}, {100 + nu, 203, length}};
       Rays rays;
-      while (rays.size() < nu * nv) rays.push_back(alike && random_int(random, 0, 30) > 0 ? pair_of(random, length) : random_ray(random, bodies, length));
+      while (rays.size() < nu * nv) {
+        const bool again = !pairs && !rays.empty() && rays.back().size() < length && random_int(random, 0, 2) > 0;
+        rays.push_back(pairs && random_int(random, 0, 30) > 0 ? pair_of(random, length)
+                       : again                                ? like(random, rays.back(), length)
+                                                              : random_ray(random, bodies, length));
+      }
       Crossings crossings = as_tile(rays);
       RayBlock out;
       composer.compose(crossings, nu, nv, length, out);
