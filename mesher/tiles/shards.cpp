@@ -30,13 +30,12 @@ CostMap::CostMap(const Metadata& meta, std::vector<uint8_t> widened) : rays_(met
   const auto count = [&](uint32_t rays) { return static_cast<uint32_t>((rays + rays_.size(height_) - 1) / rays_.size(height_)); };
   while (count(std::max(rays_.shape.nu, rays_.shape.nv)) > kMostNodes) ++height_;
   nodes_u_ = count(rays_.shape.nu), nodes_v_ = count(rays_.shape.nv);
-  cost_.resize(size_t{nodes_u_} * nodes_v_);
-  crossings_.resize(cost_.size());
+  loads_.resize(size_t{nodes_u_} * nodes_v_);
   const uint64_t side = rays_.size(height_), group = rays_.size(0);
   for (uint32_t v = 0; v < nodes_v_; ++v)
     for (uint32_t u = 0; u < nodes_u_; ++u) {
       const auto groups = [&](uint32_t c, uint32_t rays) { return (std::min<uint64_t>(side, rays - c * side) + group - 1) / group; };
-      cost_[size_t{v} * nodes_u_ + u] = kGroup * groups(u, rays_.shape.nu) * groups(v, rays_.shape.nv);
+      loads_[size_t{v} * nodes_u_ + u].groups = groups(u, rays_.shape.nu) * groups(v, rays_.shape.nv);
     }
 }
 
@@ -56,19 +55,22 @@ void CostMap::add(const Facet& facet, uint32_t layer) {
     for (uint64_t i = r.u0 / side; i * side < r.u1; ++i) {
       const uint64_t wide = std::min<uint64_t>(r.u1, (i + 1) * side) - std::max<uint64_t>(r.u0, i * side),
                      high = std::min<uint64_t>(r.v1, (j + 1) * side) - std::max<uint64_t>(r.v0, j * side), tile = rays_.shape.chunk_rays;
-      crossings_[j * nodes_u_ + i] += static_cast<uint64_t>(share * static_cast<double>(wide * high));
-      cost_[j * nodes_u_ + i] += kFacetInTile * ((wide + tile - 1) / tile) * ((high + tile - 1) / tile);
+      Load& load = loads_[j * nodes_u_ + i];
+      load.crossings += static_cast<uint64_t>(share * static_cast<double>(wide * high));
+      load.facets += ((wide + tile - 1) / tile) * ((high + tile - 1) / tile);
+      load.rows += ((wide + tile - 1) / tile) * high;
     }
 }
 
 CostMap::Cost CostMap::of_node(size_t node) const {
-  const Cost crossings = crossings_[node], side = rays_.size(height_), rays = side * side;
-  return cost_[node] + crossings * kCrossing + crossings * crossings / rays * kTenOfRay / 10;
+  const Load& load = loads_[node];
+  const Cost crossings = load.crossings, rays = side() * side();
+  return kGroup * load.groups + kFacetInTile * load.facets + crossings * kCrossing + crossings * crossings / rays * kTenOfRay / 10;
 }
 
 CostMap::Cost CostMap::sum() const {
   Cost out = 0;
-  for (size_t node = 0; node < cost_.size(); ++node) out += of_node(node);
+  for (size_t node = 0; node < loads_.size(); ++node) out += of_node(node);
   return out;
 }
 

@@ -31,6 +31,14 @@ class CostMap {
   };
   std::vector<Piece> pieces() const;
 
+  // What is counted of a node: groups; facets in tiles, and in rows of rays of tiles, once for each that they may meet; crossings.
+  struct Load {
+    uint64_t groups = 0, facets = 0, rows = 0, crossings = 0;
+  };
+  // Of the nodes, u fastest; their side in rays. For who fits the cost to measured times.
+  const std::vector<Load>& loads() const { return loads_; }
+  uint64_t side() const { return rays_.size(height_); }
+
  private:
   using Cost = unsigned __int128;
   struct Stretch {
@@ -48,7 +56,7 @@ class CostMap {
   GridRays rays_;
   int height_ = 0;                       // of the nodes above the chunks of level 2
   uint32_t nodes_u_ = 0, nodes_v_ = 0;
-  std::vector<uint64_t> crossings_, cost_;  // by node; the cost of all but crossings
+  std::vector<Load> loads_;              // by node
   uint64_t facets_ = 0;
 };
 
