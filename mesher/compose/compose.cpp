@@ -73,7 +73,8 @@ uint32_t take_pairs(const uint64_t* c, uint32_t rays, uint32_t layer, uint32_t l
         const uint64_t first = pairs[2 * i], second = pairs[2 * i + 1];
         const auto lo = static_cast<int64_t>(first >> 32), hi = static_cast<int64_t>(second >> 32);
         out[2 * i] = static_cast<uint32_t>(lo), out[2 * i + 1] = static_cast<uint32_t>(hi);
-        wrong[i] = ((first ^ of_layer) & 0xfffffffe) | ((first ^ second ^ 1) & 0xffffffff) | uint64_t{lo == 0} | uint64_t{hi <= lo} | uint64_t{hi >= end};
+        wrong[i] =
+            ((first ^ of_layer) & 0xfffffffe) | ((first ^ second ^ 1) & 0xffffffff) | uint64_t{lo == 0} | uint64_t{hi <= lo} | uint64_t{hi >= end};
         between[i] = hi - lo;
       }
       uint64_t any = 0;
