@@ -69,7 +69,7 @@ uint32_t take_pairs(const uint64_t* c, uint32_t rays, uint32_t layer, uint32_t l
       uint64_t wrong[kRays];
       int64_t between[kRays];
 #pragma GCC unroll 1
-      for (uint32_t i = 0; i < kRays; ++i) {
+      for (size_t i = 0; i < kRays; ++i) {
         const uint64_t first = pairs[2 * i], second = pairs[2 * i + 1];
         const auto lo = static_cast<int64_t>(first >> 32), hi = static_cast<int64_t>(second >> 32);
         out[2 * i] = static_cast<uint32_t>(lo), out[2 * i + 1] = static_cast<uint32_t>(hi);
@@ -298,7 +298,7 @@ inline Label Composer::label_here() const {
 }
 
 size_t Composer::compose_any(std::span<const uint64_t> all, uint32_t length, uint32_t*& at, uint32_t& pattern, PatternTable& patterns) {
-  Course& course = courses_[all.empty() ? 0 : (all.size() * 5 + Crossing::layer(all.front()) + Crossing::layer(all.back()) * 3) % kCourses];
+  Course& course = courses_[all.empty() ? 0 : (all.size() * 5 + Crossing::layer(all.front()) + size_t{3} * Crossing::layer(all.back())) % kCourses];
   if (compose_again(course, all, length, at, pattern)) return 0;
   learning_ = nullptr;
   if (can_be_learnt(all, length)) {

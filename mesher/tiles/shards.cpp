@@ -64,7 +64,7 @@ void CostMap::add(const Facet& facet, uint32_t layer) {
 
 CostMap::Cost CostMap::of_node(size_t node) const {
   const Load& load = loads_[node];
-  const Cost crossings = load.crossings, rays = side() * side();
+  const Cost crossings = load.crossings, rays = Cost{side()} * side();
   return kGroup * load.groups + kFacetInTile * load.facets + crossings * kCrossing + crossings * crossings / rays * kTenOfRay / 10;
 }
 
