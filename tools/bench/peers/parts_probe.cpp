@@ -25,11 +25,10 @@ class NoFile : public ChunkSink {
  public:
   explicit NoFile(const Metadata& meta) : meta_(meta) {}
   const Metadata& meta() const override { return meta_; }
-  void put(const ChunkKey&, EncodedChunk) override {}
+  void put(const ChunkKey&, const EncodedChunk&) override {}
   void put_child(int, uint32_t, uint32_t, const Chunk&) override {}
   void put_cells(size_t, const ChunkKey&, std::span<const uint8_t>) override {}
-  void write_some() override {}
-  uint64_t bytes() override { return 0; }
+  uint64_t bytes() const override { return 0; }
   uint64_t chunks() const override { return 0; }
   void save(Bytes&) override {}
 
