@@ -32,16 +32,58 @@ void RayBlock::fill(uint32_t new_nu, uint32_t new_nv, uint32_t new_length, SetId
   begin.assign(rays() + 1, 0);
 }
 
-RayBlock cut(const RayBlock& block, uint32_t from, uint32_t to) {
+Cutter::Cutter(const RayBlock& block) : block_(block) {
+  for (uint32_t first = 0, end; first < block.rays(); first = end) {
+    const uint32_t pattern = block.pattern[first], n = block.patterns.changes(pattern);
+    for (end = first + 1; end < block.rays() && block.pattern[end] == pattern;) ++end;
+    stretches_.push_back({first, end, pattern, least_.size()});
+    const uint32_t *const begin = block.at.data() + block.begin[first], *const stop = block.at.data() + block.begin[end];
+    for (uint32_t i = 0; i < n; ++i) {
+      uint32_t least = ~uint32_t{0}, most = 0;
+      for (const uint32_t* at = begin + i; at < stop; at += n) least = std::min(least, *at), most = std::max(most, *at);
+      least_.push_back(least), most_.push_back(most);
+    }
+  }
+}
+
+RayBlock Cutter::cut(uint32_t from, uint32_t to) const {
   RayBlock out;
-  out.reset(block.nu, block.nv, to - from);
-  std::vector<uint32_t> changes;
-  for (uint32_t ray = 0; ray < block.rays(); ++ray) {
-    const auto all = block.changes(ray);
-    const auto lo = std::ranges::upper_bound(all, from), hi = std::ranges::lower_bound(all, to);
-    changes.clear();
-    for (auto it = lo; it < hi; ++it) changes.push_back(*it - from);
-    out.append(block.sets(ray).subspan(lo - all.begin(), changes.size() + 1), changes);
+  out.reset(block_.nu, block_.nv, to - from);
+  out.pattern.reserve(block_.rays());
+  out.begin.reserve(block_.rays() + 1);
+  for (const Stretch& s : stretches_) {
+    const uint32_t n = block_.patterns.changes(s.pattern);
+    const std::span<const uint32_t> least(least_.data() + s.extremes, n), most(most_.data() + s.extremes, n);
+    const auto up_to = [](std::span<const uint32_t> all, uint32_t cell) {  // how many changes
+      return static_cast<uint32_t>(std::ranges::upper_bound(all, cell) - all.begin());
+    };
+    const auto piece = [&](uint32_t lo, uint32_t hi) { return out.patterns.intern(block_.patterns.sets(s.pattern).subspan(lo, hi - lo + 1)); };
+    const uint32_t lo = up_to(most, from), hi = up_to(most, to - 1);
+    if (lo == up_to(least, from) && hi == up_to(least, to - 1)) {  // the same changes of all these rays
+      const uint32_t rays = s.end - s.first, each = hi - lo;
+      const size_t ray = out.pattern.size(), place = out.at.size();
+      out.pattern.resize(ray + rays, piece(lo, hi));
+      out.begin.resize(ray + rays + 1);
+      out.at.resize(place + size_t{each} * rays);
+      uint32_t *begin = out.begin.data() + ray + 1, *to_at = out.at.data() + place;
+      for (uint32_t i = 0; i < rays; ++i) begin[i] = static_cast<uint32_t>(place) + each * (i + 1);
+      const uint32_t* at = block_.at.data() + block_.begin[s.first];
+      if (each == n)
+        for (size_t i = 0; i < size_t{each} * rays; ++i) to_at[i] = at[i] - from;
+      else if (each > 0)
+        for (uint32_t i = 0; i < rays; ++i, at += n)
+          for (uint32_t change = lo; change < hi; ++change) *to_at++ = at[change] - from;
+      continue;
+    }
+    uint32_t lo_before = ~uint32_t{0}, hi_before = 0, pattern = 0;
+    for (uint32_t ray = s.first; ray < s.end; ++ray) {
+      const std::span<const uint32_t> at = block_.changes(ray);
+      const uint32_t first = up_to(at, from), end = up_to(at, to - 1);
+      if (first != lo_before || end != hi_before) pattern = piece(first, end), lo_before = first, hi_before = end;
+      out.pattern.push_back(pattern);
+      for (uint32_t i = first; i < end; ++i) out.at.push_back(at[i] - from);
+      out.begin.push_back(static_cast<uint32_t>(out.at.size()));
+    }
   }
   return out;
 }

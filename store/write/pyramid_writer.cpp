@@ -12,10 +12,14 @@ namespace teracell::inline store {
 LevelChunk encode_level(ChunkEncoder& encoder, const Metadata& meta, int level, uint32_t cu, uint32_t cv, const Chunk& rays) {
   LevelChunk out{level, cu, cv, {}};
   const LevelShape shape(meta, level);
+  if (shape.segments == 1) {
+    out.segments.push_back(encode_chunk(encoder, rays.rays, rays.sets, level == 0));
+    return out;
+  }
+  const Cutter cutter(rays.rays);
   for (uint32_t s = 0; s < shape.segments; ++s) {
     const uint32_t from = s * shape.chunk_cells;
-    out.segments.push_back(shape.segments == 1 ? encode_chunk(encoder, rays.rays, rays.sets, level == 0)
-                                               : encode_chunk(encoder, cut(rays.rays, from, from + shape.length(s)), rays.sets, level == 0));
+    out.segments.push_back(encode_chunk(encoder, cutter.cut(from, from + shape.length(s)), rays.sets, level == 0));
   }
   return out;
 }
