@@ -32,7 +32,7 @@ void RayBlock::fill(uint32_t new_nu, uint32_t new_nv, uint32_t new_length, SetId
   begin.assign(rays() + 1, 0);
 }
 
-Cutter::Cutter(const RayBlock& block) : block_(block) {
+SegmentCutter::SegmentCutter(const RayBlock& block) : block_(block) {
   for (uint32_t first = 0, end; first < block.rays(); first = end) {
     const uint32_t pattern = block.pattern[first], n = block.patterns.changes(pattern);
     for (end = first + 1; end < block.rays() && block.pattern[end] == pattern;) ++end;
@@ -46,7 +46,7 @@ Cutter::Cutter(const RayBlock& block) : block_(block) {
   }
 }
 
-RayBlock Cutter::cut(uint32_t from, uint32_t to) const {
+RayBlock SegmentCutter::cut(uint32_t from, uint32_t to) const {
   RayBlock out;
   out.reset(block_.nu, block_.nv, to - from);
   out.pattern.reserve(block_.rays());

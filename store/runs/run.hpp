@@ -96,10 +96,10 @@ struct Chunk {
 
 // Cuts a block into pieces along its rays. Of neighbouring rays with one pattern it knows between which cells each change lies: most pieces have
 // all of a change or nothing of it, for all of these rays. (Looking at each ray of each piece took half of the time of a grid of 10^15 cells.)
-class Cutter {
+class SegmentCutter {
  public:
   // Keeps a reference.
-  explicit Cutter(const RayBlock& block);
+  explicit SegmentCutter(const RayBlock& block);
   // The cells [from, to) of every ray, renumbered from 0.
   RayBlock cut(uint32_t from, uint32_t to) const;
 
@@ -112,7 +112,7 @@ class Cutter {
   std::vector<Stretch> stretches_;
   std::vector<uint32_t> least_, most_;  // of each change of a stretch; they ascend
 };
-inline RayBlock cut(const RayBlock& block, uint32_t from, uint32_t to) { return Cutter(block).cut(from, to); }
+inline RayBlock cut(const RayBlock& block, uint32_t from, uint32_t to) { return SegmentCutter(block).cut(from, to); }
 
 // A chunk as a part of a larger one, in which its first ray and cell are (u, v) and w.
 struct Piece {

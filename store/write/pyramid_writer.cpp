@@ -16,7 +16,7 @@ LevelChunk encode_level(ChunkEncoder& encoder, const Metadata& meta, int level, 
     out.segments.push_back(encode_chunk(encoder, rays.rays, rays.sets, level == 0));
     return out;
   }
-  const Cutter cutter(rays.rays);
+  const SegmentCutter cutter(rays.rays);
   for (uint32_t s = 0; s < shape.segments; ++s) {
     const uint32_t from = s * shape.chunk_cells;
     out.segments.push_back(encode_chunk(encoder, cutter.cut(from, from + shape.length(s)), rays.sets, level == 0));
