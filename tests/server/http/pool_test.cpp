@@ -1,25 +1,8 @@
 // Threads that clients share in turns, for cheap and for dear work.
 #include "server/http/pool.hpp"
 
+#include "tests/support/failing_new.hpp"
 #include "tests/support/test.hpp"
-
-namespace {
-
-thread_local int allocations_left = -1;  // before one fails; negative: none does
-
-}  // namespace
-
-// A sanitizer has its own, which must not be replaced.
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) && !defined(__clang__)
-void* operator new(size_t size) {
-  if (allocations_left == 0) throw std::bad_alloc();
-  if (allocations_left > 0) --allocations_left;
-  if (void* p = std::malloc(size == 0 ? 1 : size)) return p;
-  throw std::bad_alloc();
-}
-void operator delete(void* p) noexcept { std::free(p); }
-void operator delete(void* p, size_t) noexcept { std::free(p); }
-#endif
 
 namespace teracell::server {
 namespace {

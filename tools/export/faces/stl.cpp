@@ -47,7 +47,7 @@ void write_stl(const Export& e) {
   OutputFile file(e.output);
   Surface surface(e, {0, 0.4}, {"stl", UINT64_MAX, UINT32_MAX, "ply, a coarser --level or a --region"});
   std::string header = fmt::format("teracell: boundary of cells, lengths in {}", e.reader.meta().units);
-  header.resize(80, ' ');
+  header.resize(80, '\0');  // admesh takes it for a string that ends by itself
   Bytes bytes(header.begin(), header.end());
   put_raw(bytes, static_cast<uint32_t>(surface.facets()));
   surface.for_each_placed({0.4, 1}, [&](const Surface::Part& part) {
