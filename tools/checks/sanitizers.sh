@@ -1,10 +1,10 @@
-# tools/test sanitizers sources this: builds all libraries for addresses and undefined behaviour and again for races, links them with the tests
-# that are compiled in build/dev, and runs these and the fuzzers.
+# tools/test sanitizers sources this: builds all libraries for addresses and undefined behaviour, to be linked with the tests that are compiled in
+# build/dev, and what uses threads for races, with its tests (a race is told by what all code does), and runs these and the fuzzers.
 step "building for the sanitizers of addresses and undefined behaviour"
 cmake --preset asan -DTERACELL_UNITY=ON -DTERACELL_COMPILED_TESTS="$PWD/build/dev" >/dev/null
 cmake --build --preset asan --target teracell_tests fuzzers
 step "building for the sanitizer of races"
-cmake --preset tsan -DTERACELL_UNITY=ON -DTERACELL_COMPILED_TESTS="$PWD/build/dev" >/dev/null
+cmake --preset tsan -DTERACELL_UNITY=ON >/dev/null
 cmake --build --preset tsan --target thread_tests
 
 fuzz() (
