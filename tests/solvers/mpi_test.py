@@ -129,31 +129,31 @@ class Mpi(unittest.TestCase):
 
         moments = [seen.exists, partial.exists] + [lambda n=n: len(pieces()) >= n for n in (1, 7, 25, 60, 90, 120)] + [
             lambda: partial.exists() and len(pieces()) > 100 and partial.stat().st_size > 3_000_000]
-        for mpi in MPIS:
-            for number, reached in enumerate(moments):
-                with self.subTest(mpi=mpi, moment=number):
-                    self.setUp()
-                    ranks = 2 + number % 2
-                    job = self.started(mpi, 0, ranks, "--threads", "1")
-                    while not reached():
-                        self.assertIsNone(job.poll(), "the job ended before it was to be killed")
-                        time.sleep(0.001)
-                    writers = ranks_that_write(self.output)
-                    self.assertEqual(len(writers), ranks)
-                    os.kill(job.pid if number % 3 == 0 else writers[number % ranks], signal.SIGKILL)
-                    self.assertNotEqual(job.wait(60), 0)
-                    self.expect_no_ranks()
-                    if number % 3 == 0 and self.output.exists():  # ranks whose launcher is gone may be done before they notice
-                        self.assertTrue(self.output.read_bytes() == expected)
-                        continue
-                    self.assertFalse(self.output.exists())
-                    kept = pieces()
-                    resumed = self.run_mpi(mpi, 1 + number % 5, *self.options(5000), "--resume", "--progress", "plain")
-                    shares = [float(line.split()[1]) for line in resumed.stderr.splitlines() if line.startswith("mesh ")]
-                    if shares and kept:
-                        of = int(kept[0].name.rpartition("-of-")[2])
-                        self.assertGreaterEqual(shares[0], 100 * len(kept) / of - 0.1, "finished pieces are kept")
-                    self.expect_grid(resumed, expected)
+        for number, reached in enumerate(moments):
+            mpi = MPIS[number % 2]
+            with self.subTest(mpi=mpi, moment=number):
+                self.setUp()
+                ranks = 2 + number // 2 % 2
+                job = self.started(mpi, 0, ranks, "--threads", "1")
+                while not reached():
+                    self.assertIsNone(job.poll(), "the job ended before it was to be killed")
+                    time.sleep(0.001)
+                writers = ranks_that_write(self.output)
+                self.assertEqual(len(writers), ranks)
+                os.kill(job.pid if number % 3 == 0 else writers[number % ranks], signal.SIGKILL)
+                self.assertNotEqual(job.wait(60), 0)
+                self.expect_no_ranks()
+                if number % 3 == 0 and self.output.exists():  # ranks whose launcher is gone may be done before they notice
+                    self.assertTrue(self.output.read_bytes() == expected)
+                    continue
+                self.assertFalse(self.output.exists())
+                kept = pieces()
+                resumed = self.run_mpi(mpi, 1 + number % 5, *self.options(5000), "--resume", "--progress", "plain")
+                shares = [float(line.split()[1]) for line in resumed.stderr.splitlines() if line.startswith("mesh ")]
+                if shares and kept:
+                    of = int(kept[0].name.rpartition("-of-")[2])
+                    self.assertGreaterEqual(shares[0], 100 * len(kept) / of - 0.1, "finished pieces are kept")
+                self.expect_grid(resumed, expected)
 
     def test_a_full_disk_ends_the_job_and_pieces_are_kept(self):
         expected = self.bytes_of_one(3000)
@@ -289,9 +289,7 @@ class Mpi(unittest.TestCase):
         own.mkdir(exist_ok=True)
         elsewhere = ["unshare", "-m", "bash", "-c", f'mount -t tmpfs tmpfs {own} && exec "$0" "$@"']
         options = ["mesh", self.scene, "--cells", "300", "-o", own / "g.tcell"]
-        for mpi in MPIS:
-            with self.subTest(mpi=mpi):
-                self.fails_once(self.on_one(mpi, elsewhere, options), 1, "rank 2 (", "a folder that all ranks share")
+        self.fails_once(self.on_one("openmpi", elsewhere, options), 1, "rank 2 (", "a folder that all ranks share")  # after half a minute, with any MPI
 
     def test_two_jobs_do_not_write_the_same_file(self):
         for mpi in MPIS:
