@@ -50,13 +50,18 @@ void CostMap::add(const Facet& facet, uint32_t layer) {
   const int u = rays_.frame.u, v = rays_.frame.v;
   const double box = extent(u) * extent(v);
   const double share = box > 0 ? std::min(1.0, doubled_area(facet, u, v) / 2 / box) : 0;  // of the rays in the box that meet the facet
+  const uint32_t body = body_of_layer(layer);
   const uint64_t side = rays_.size(height_);
   for (uint64_t j = r.v0 / side; j * side < r.v1; ++j)
     for (uint64_t i = r.u0 / side; i * side < r.u1; ++i) {
       const uint64_t wide = std::min<uint64_t>(r.u1, (i + 1) * side) - std::max<uint64_t>(r.u0, i * side),
                      high = std::min<uint64_t>(r.v1, (j + 1) * side) - std::max<uint64_t>(r.v0, j * side), tile = rays_.shape.chunk_rays;
       Load& load = loads_[j * nodes_u_ + i];
-      load.crossings += static_cast<uint64_t>(share * static_cast<double>(wide * high));
+      const auto crossings = static_cast<uint64_t>(share * static_cast<double>(wide * high));
+      load.crossings += crossings;
+      if (load.body != body) load.body = body, load.of_latest = 0;
+      load.of_latest += crossings;
+      load.of_one = std::max(load.of_one, load.of_latest);
       load.facets += ((wide + tile - 1) / tile) * ((high + tile - 1) / tile);
       load.rows += ((wide + tile - 1) / tile) * high;
     }

@@ -31,9 +31,12 @@ class CostMap {
   };
   std::vector<Piece> pieces() const;
 
-  // What is counted of a node: groups; facets in tiles, and in rows of rays of tiles, once for each that they may meet; crossings.
+  // What is counted of a node: groups; facets in tiles, and in rows of rays of tiles, once for each that they may meet; crossings, and those of
+  // the body that has most of them.
   struct Load {
-    uint64_t groups = 0, facets = 0, rows = 0, crossings = 0;
+    uint64_t groups = 0, facets = 0, rows = 0, crossings = 0, of_one = 0;
+    uint32_t body = 0;  // the latest
+    uint64_t of_latest = 0;
   };
   // Of the nodes, u fastest; their side in rays. For who fits the cost to measured times.
   const std::vector<Load>& loads() const { return loads_; }

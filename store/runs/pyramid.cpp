@@ -127,6 +127,10 @@ class Coarsener::Ray {
     return a;
   }
 
+  struct Interval {  // of coarse cells
+    uint32_t first, last;
+    SetId set;
+  };
   struct Event {
     uint32_t at;
     SetId set;
@@ -186,7 +190,7 @@ class Coarsener::Ray {
   }
 
   void collect_events(std::span<const uint32_t> rays) {
-    events_.clear();
+    intervals_.clear();
     seen_.clear();
     for (const uint32_t ray : rays) {
       const uint32_t pattern = fine_->pattern[ray];
@@ -194,22 +198,43 @@ class Coarsener::Ray {
       seen_.push_back(pattern);
       merge_runs(pattern, rays);
       const auto runs = fine_->patterns.sets(pattern);
+      size_t near = 0;  // which interval of the patterns before
+      const size_t before = intervals_.size();
       for (uint32_t i = 0; i < runs.size(); ++i) {
-        if (touch_[i]) add_interval(lo_[i], hi_[i], runs[i]);
+        const size_t of_run = intervals_.size();
+        if (touch_[i]) add_interval({lo_[i], hi_[i], runs[i]}, near, before, of_run);
         else
           for (const uint32_t r : rays) {
             if (fine_->pattern[r] != pattern) continue;
             const uint32_t* at = fine_->at.data() + fine_->begin[r];  // an inner run: the ends always touch
-            add_interval(at[i - 1] >> shift_, (at[i] - 1) >> shift_, runs[i]);
+            add_interval({at[i - 1] >> shift_, (at[i] - 1) >> shift_, runs[i]}, near, before, of_run);
           }
       }
+    }
+    events_.clear();
+    for (const Interval& i : intervals_) {
+      events_.push_back({i.first, i.set, 1});
+      events_.push_back({i.last + 1, i.set, -1});
     }
     std::ranges::sort(events_, {}, &Event::at);
   }
 
-  void add_interval(uint32_t first, uint32_t last, SetId set) {
-    events_.push_back({first, set, 1});
-    events_.push_back({last + 1, set, -1});
+  // Rays side by side mostly have nearly the same runs, so most intervals only lengthen one that is there: of the patterns before, or of the same
+  // run. Not all of these are found, and none needs to be.
+  void add_interval(const Interval& added, size_t& near, size_t before, size_t of_run) {
+    constexpr size_t kLooks = 4;
+    const auto lengthens = [&](Interval& i) {
+      if (i.set != added.set || added.first > i.last + 1 || i.first > added.last + 1) return false;
+      i.first = std::min(i.first, added.first);
+      i.last = std::max(i.last, added.last);
+      return true;
+    };
+    while (near < before && intervals_[near].last + 1 < added.first) ++near;
+    for (size_t k = near; k < std::min(near + kLooks, before); ++k)
+      if (lengthens(intervals_[k])) return;
+    for (size_t k = intervals_.size(); k-- > of_run && k + kLooks >= intervals_.size();)
+      if (lengthens(intervals_[k])) return;
+    intervals_.push_back(added);
   }
 
   void sweep_events() {
@@ -260,6 +285,7 @@ class Coarsener::Ray {
   std::vector<Apart> apart_;  // of each pattern, and perhaps some more
   std::vector<uint8_t> touch_;
   std::vector<SetId> labels_;
+  std::vector<Interval> intervals_;
   std::vector<Event> events_;
   std::vector<Active> active_;
   std::vector<SetId> present_;
