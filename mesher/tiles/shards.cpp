@@ -9,10 +9,15 @@ namespace teracell::mesher {
 namespace {
 
 constexpr uint32_t kMostNodes = 256;  // along u and v
-// In nanoseconds. Fitted to the CPU time of each group of the bust at 30,000^3 and of the stadium at 12,000 cells (along x and z), so that the
-// longest of 64 parts is as short as can be. A crossing takes longer where a ray has many: 3 ns for every ten of them. What part 0 finds of the
-// surfaces as a whole takes 130 ns per facet.
-constexpr uint64_t kCrossing = 14, kTenOfRay = 3, kFacetInTile = 2'500, kGroup = 90'000, kCounted = 130;
+// In nanoseconds. Fitted to the least CPU time in several runs of each group of the stadium at 20,000 cells (along x and z) and of the bust at
+// 30,000^3 (along x and y), so that the longest of 64 parts is as short as can be (tools/bench/parts.py). Crossings of bodies beside the one that has
+// most of them take longer, and so do crossings of rays that have many, above all of several bodies. What part 0 finds of the surfaces as a whole
+// takes 130 ns per facet.
+constexpr uint64_t kGroup = 110'000, kFacetInTile = 2'600, kCrossing = 12, kOfOther = 3, kCounted = 130;
+// For a hundred crossings of a ray: of each of them, and of each that is of another body.
+constexpr uint64_t kHundredOfRay = 14, kHundredOfOthers = 32;
+// What a crossing takes when 16 chunks become one, two levels up. That is done behind the last one of them.
+constexpr uint64_t kCoarser = 1;
 
 constexpr uint64_t kPiece = 200'000'000;
 constexpr uint32_t kLeastPieces = 128, kMostPieces = 1 << 16;  // few files in a folder, and many pieces per rank
@@ -63,31 +68,45 @@ void CostMap::add(const Facet& facet, uint32_t layer) {
       load.of_latest += crossings;
       load.of_one = std::max(load.of_one, load.of_latest);
       load.facets += ((wide + tile - 1) / tile) * ((high + tile - 1) / tile);
-      load.rows += ((wide + tile - 1) / tile) * high;
     }
 }
 
-CostMap::Cost CostMap::of_node(size_t node) const {
-  const Load& load = loads_[node];
-  const Cost crossings = load.crossings, rays = Cost{side()} * side();
-  return kGroup * load.groups + kFacetInTile * load.facets + crossings * kCrossing + crossings * crossings / rays * kTenOfRay / 10;
+CostMap::Cost CostMap::of_node(const Load& load) const {
+  const Cost crossings = load.crossings, others = load.of_others(), rays = Cost{side()} * side();
+  return kGroup * load.groups + kFacetInTile * load.facets + crossings * (kCrossing + (height_ > 0 ? kCoarser : 0)) + others * kOfOther +
+         crossings * (kHundredOfRay * crossings + kHundredOfOthers * others) / rays / 100;
+}
+
+// In the order of the tree.
+std::vector<CostMap::Node> CostMap::nodes() const {
+  std::vector<std::pair<uint64_t, const Load*>> all;
+  for (uint32_t v = 0; v < nodes_v_; ++v)
+    for (uint32_t u = 0; u < nodes_u_; ++u) all.push_back({tree_key(u, v), &loads_[size_t{v} * nodes_u_ + u]});
+  std::ranges::sort(all);
+  std::vector<Node> out;
+  Cost crossings = 0;  // of the nodes so far that have the same parent
+  for (size_t i = 0; i < all.size(); ++i) {
+    const auto& [key, load] = all[i];
+    out.push_back({key, of_node(*load)});
+    crossings += load->crossings;
+    if (i + 1 < all.size() && key / kChildren == all[i + 1].first / kChildren) continue;
+    out.back().cost += kCoarser * crossings >> (2 * kFanOutBits * height_);
+    crossings = 0;
+  }
+  return out;
 }
 
 CostMap::Cost CostMap::sum() const {
   Cost out = 0;
-  for (size_t node = 0; node < loads_.size(); ++node) out += of_node(node);
+  for (const Node& node : nodes()) out += node.cost;
   return out;
 }
 
 // Of all of the tree, in its order. A unit is a power of kChildren.
 std::vector<CostMap::Stretch> CostMap::stretches(uint64_t unit) const {
-  std::vector<std::pair<uint64_t, Cost>> nodes;  // key, cost
-  for (uint32_t v = 0; v < nodes_v_; ++v)
-    for (uint32_t u = 0; u < nodes_u_; ++u) nodes.push_back({tree_key(u, v), of_node(size_t{v} * nodes_u_ + u)});
-  std::ranges::sort(nodes);
   std::vector<Stretch> out;
   const uint64_t groups = uint64_t{1} << (2 * kFanOutBits * height_);
-  for (const auto& [key, cost] : nodes) {
+  for (const auto& [key, cost] : nodes()) {
     const uint64_t first = key * groups / unit * unit, units = std::max<uint64_t>(1, groups / unit);
     if (out.empty() || out.back().first != first) out.push_back({first, unit, units, 0});
     out.back().of_unit += cost / units + 1;

@@ -31,12 +31,12 @@ class CostMap {
   };
   std::vector<Piece> pieces() const;
 
-  // What is counted of a node: groups; facets in tiles, and in rows of rays of tiles, once for each that they may meet; crossings, and those of
-  // the body that has most of them.
+  // What is counted of a node: groups; facets in tiles, once for each that they may meet; crossings, and those of the body that has most of them.
   struct Load {
-    uint64_t groups = 0, facets = 0, rows = 0, crossings = 0, of_one = 0;
-    uint32_t body = 0;  // the latest
+    uint64_t groups = 0, facets = 0, crossings = 0, of_one = 0;
+    uint32_t body = 0;  // the latest; facets come body by body
     uint64_t of_latest = 0;
+    uint64_t of_others() const { return crossings - of_one; }
   };
   // Of the nodes, u fastest; their side in rays. For who fits the cost to measured times.
   const std::vector<Load>& loads() const { return loads_; }
@@ -48,7 +48,12 @@ class CostMap {
     uint64_t first, unit, units;  // keys from the first on: `units` times `unit` groups
     Cost of_unit;                 // taken to be even
   };
-  Cost of_node(size_t node) const;
+  Cost of_node(const Load& load) const;
+  struct Node {
+    uint64_t key;
+    Cost cost;
+  };
+  std::vector<Node> nodes() const;
   Cost sum() const;
   std::vector<Stretch> stretches(uint64_t unit) const;
   struct Cut {

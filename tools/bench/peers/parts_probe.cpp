@@ -1,7 +1,7 @@
 // What tools/bench/parts.py fits the costs of CostMap to (mesher/tiles/shards.cpp): the CPU time of each group of a grid, and what is counted of it
 // before.
 //
-//   parts_probe SCENE CELLS AXIS    prints "NS KEY GROUPS FACETS ROWS CROSSINGS OF_ONE" for each group
+//   parts_probe SCENE CELLS AXIS    prints "NS KEY GROUPS FACETS CROSSINGS OTHERS" for each group
 //
 // CELLS: along the longest side, or 0 for the grid of the scene, which may have at most 65,536 rays along an axis.
 #include <cstdio>
@@ -70,10 +70,9 @@ void measure(const char* path, int64_t cells, int axis) {
         const double now = thread_nanoseconds();
         const auto& group = work.group();
         const mesher::CostMap::Load& load = costs.loads()[size_t{group.cv} * nodes_u + group.cu];
-        std::printf("%.0f %llu %llu %llu %llu %llu %llu\n", now - before, static_cast<unsigned long long>(tree_key(group.cu, group.cv)),
-                    static_cast<unsigned long long>(load.groups), static_cast<unsigned long long>(load.facets),
-                    static_cast<unsigned long long>(load.rows), static_cast<unsigned long long>(load.crossings),
-                    static_cast<unsigned long long>(load.of_one));
+        const auto number = [](uint64_t n) { return static_cast<unsigned long long>(n); };
+        std::printf("%.0f %llu %llu %llu %llu %llu\n", now - before, number(tree_key(group.cu, group.cv)), number(load.groups), number(load.facets),
+                    number(load.crossings), number(load.of_others()));
         before = thread_nanoseconds();
       });
 }
