@@ -13,7 +13,7 @@ constexpr uint32_t kMostNodes = 256;  // along u and v
 // 30,000^3 (along x and y), so that the longest of 64 parts is as short as can be (tools/bench/parts.py). Crossings of bodies beside the one that has
 // most of them take longer, and so do crossings of rays that have many, above all of several bodies. What part 0 finds of the surfaces as a whole
 // takes 130 ns per facet.
-constexpr uint64_t kGroup = 110'000, kFacetInTile = 2'600, kCrossing = 12, kOfOther = 3, kCounted = 130;
+constexpr uint64_t kGroup = 93'600, kFacetInTile = 2'600, kCrossing = 12, kOfOther = 3, kCounted = 130;
 // For a hundred crossings of a ray: of each of them, and of each that is of another body.
 constexpr uint64_t kHundredOfRay = 14, kHundredOfOthers = 32;
 // What a crossing takes when 16 chunks become one, two levels up. That is done behind the last one of them.

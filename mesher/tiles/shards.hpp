@@ -15,7 +15,7 @@ struct Shard {
 };
 
 // Estimates what casting costs, by nodes of the tree, and what part 0 has to do besides. In whole numbers, so that the sums do not depend
-// on any order.
+// on the order of a body's facets.
 class CostMap {
  public:
   // Keeps references to the axes of `meta`; `widened` bodies as in rays.hpp.

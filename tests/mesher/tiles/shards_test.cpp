@@ -32,7 +32,7 @@ TEST_CASE("Stretches follow each other and cover the tree, also where there are 
     }
 }
 
-TEST_CASE("The order in which facets come does not matter", "[parts]") {
+TEST_CASE("The order in which the facets of a body come does not matter", "[parts]") {
   std::mt19937_64 random(5);
   std::vector<Facet> facets(200);
   for (Facet& f : facets)
@@ -65,7 +65,7 @@ TEST_CASE("Pieces follow each other, cover the tree, and hold whole index pages 
   }
 }
 
-TEST_CASE("Part 0, which also counts the facets, has fewer groups, and the others have equally many", "[parts]") {
+TEST_CASE("Part 0, which also counts the facets, has fewer groups, and the others have equally many but for the last", "[parts]") {
   const Metadata meta = square(4096);  // 16 x 16 groups
   CostMap costs(meta, {});
   for (int i = 0; i < 10000; ++i) costs.add({{{{-9, -9, 1}, {-8, -9, 2}, {-9, -8, 3}}}}, 0);  // beside the grid
@@ -74,8 +74,8 @@ TEST_CASE("Part 0, which also counts the facets, has fewer groups, and the other
     return std::min<uint64_t>(part.end, 256) - part.first;
   };
   CHECK(groups(0) < groups(1));
-  for (uint32_t i = 1; i < 4; ++i) CHECK(groups(i) >= groups(1) - 1);
-  for (uint32_t i = 1; i < 4; ++i) CHECK(groups(i) <= groups(1) + 1);
+  for (uint32_t i = 1; i < 4; ++i) CHECK(groups(i) >= groups(1) - 3);  // the last one has what is left
+  for (uint32_t i = 1; i < 4; ++i) CHECK(groups(i) <= groups(1));
 }
 
 TEST_CASE("The costliest part costs as little as it can, whatever order cheap and dear groups have", "[parts]") {
