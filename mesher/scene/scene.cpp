@@ -147,7 +147,8 @@ std::string mesh_shown(const std::filesystem::path& mesh, const std::filesystem:
   if (!mesh.is_absolute()) return mesh.string();
   const std::filesystem::path home = std::filesystem::absolute(folder.empty() ? "." : folder);
   const std::filesystem::path within = mesh.lexically_normal().lexically_relative(home.lexically_normal());
-  return (within.empty() || *within.begin() == ".." ? mesh.filename() : within).string();
+  if (!within.empty() && *within.begin() != "..") return within.string();
+  return mesh.has_filename() ? mesh.filename().string() : ".";  // as the folder that it names; a scene's mesh is not empty
 }
 
 std::string bare_mesh_shown(const std::filesystem::path& mesh) { return printable((mesh.is_absolute() ? mesh.filename() : mesh).string()); }

@@ -131,7 +131,8 @@ void override_grid(Scene& scene, const GridOptions& options);
 
 // The scene as JSON in a normal form: defaults are written out, and a matrix takes the place of scale, rotate and translate.
 // `stitch`, `kind`, `thin`, `deflection`, `angle`, `face_patches` and `patches` are written only where they are not the default. Parsing the text
-// gives an equal scene. Bodies that don't fit into `most` bytes are left out, and their number is written instead.
+// gives an equal scene, whose meshes are as mesh_shown() names them. Bodies that don't fit into `most` bytes are left out, and
+// their number is written instead.
 std::string normalised(const Scene& scene, size_t most = ~size_t{0});
 
 // Resolves the scene's axes. `lo` and `hi` are the box of all bodies' transformed vertices; they are not used, and may hold

@@ -424,6 +424,7 @@ TEST_CASE("A report shows no folder of the machine: what the scene names, what l
   CHECK(mesh_shown("/home/me/models/parts/hull.stl", "/home/me/models") == "parts/hull.stl");
   CHECK(mesh_shown("/home/me/models/x/../parts/hull.stl", "/home/me/models/") == "parts/hull.stl");
   CHECK(mesh_shown("/home/me/hull.stl", "/home/me/models") == "hull.stl");
+  CHECK(mesh_shown("/home/me/", "/home/me/models") == ".");  // a folder: no name is empty
   CHECK(mesh_shown(here + "/models/hull.stl", "models") == "hull.stl");
   CHECK(mesh_shown(here + "/hull.stl", "") == "hull.stl");
   const Scene scene =
