@@ -15,11 +15,9 @@ void for_each_child(const ChunkRange& r, uint32_t cu, uint32_t cv, int shift, F&
     for (uint32_t u = first_u; u <= last_u; ++u) f((v - v0) * kFanOut + u - u0);
 }
 
-ListedFacet listed(uint32_t number, const ChunkRange& r, uint32_t cu, uint32_t cv) {
-  const auto within = [](uint32_t chunk, uint32_t first) { return static_cast<uint8_t>(std::clamp(chunk, first, first + kFanOut) - first); };
-  return {number, within(r.first_u, cu * kFanOut), within(r.last_u + 1, cu * kFanOut), within(r.first_v, cv * kFanOut),
-          within(r.last_v + 1, cv * kFanOut)};
-}
+// How many heights are told apart. The nearest 4096th of the grid will do: crossings of a ray come out nearly sorted, and sorting them is four
+// times as fast as if they came in any order.
+constexpr uint32_t kHeights = 4096;
 
 }  // namespace
 
@@ -45,44 +43,35 @@ uint64_t Tiling::groups_below(const TreePlace& place) const {
   return sum;
 }
 
-// Makes a node of facets in memory. It lists them from the lowest to the highest along the rays, to the nearest 4096th of the
-// grid, and lists made from it keep that order. So the crossings of a ray come out nearly sorted, and sorting them is four
-// times as fast.
+// Makes a node of facets in memory.
 class Tiling::NodeBuilder {
  public:
   explicit NodeBuilder(const GridRays& rays)
       : rays_(rays), w_(rays.frame.w), lowest_(rays.w.min()), per_height_(kHeights / (rays.w.max() - lowest_)) {}
   void expect(uint64_t facets) {
     block_->chunks.reserve(facets);
-    heights_.reserve(facets);
+    block_->heights.reserve(facets);
+    list_.reserve(facets);
   }
   // To be called for the facets of the store in their order.
   void add(const Facet& facet, const RayRange& r) {
     const auto& [a, b, c] = facet.vertex;
     const double height = (std::min(std::min(a[w_], b[w_]), c[w_]) - lowest_) * per_height_;
-    const uint16_t h = r.empty() ? kNone : static_cast<uint16_t>(std::clamp(height, 0.0, kHeights - 1.0));
-    block_->chunks.push_back(h == kNone ? ChunkRange{} : rays_.chunks_of(r));
-    heights_.push_back(h);
-    ++order_[h + 1];
+    if (!r.empty()) list_.push_back(static_cast<uint32_t>(block_->chunks.size()));
+    block_->chunks.push_back(r.empty() ? ChunkRange{} : rays_.chunks_of(r));
+    block_->heights.push_back(r.empty() ? uint16_t{0} : static_cast<uint16_t>(std::clamp(height, 0.0, kHeights - 1.0)));
   }
   Node finish(const TreePlace& place, std::shared_ptr<const GridFacets> facets) {
-    std::partial_sum(order_.begin(), order_.end(), order_.begin());
-    std::vector<ListedFacet> list(order_[kNone]);
-    for (uint32_t i = 0; i < heights_.size(); ++i)
-      if (heights_[i] != kNone) list[order_[heights_[i]]++] = place.depth == 0 ? listed(i, block_->chunks[i], place.cu, place.cv) : ListedFacet{i};
     block_->facets = std::move(facets);
-    return {place, std::move(block_), std::move(list)};
+    return {place, std::move(block_), std::move(list_)};
   }
 
  private:
-  static constexpr uint32_t kHeights = 4096;
-  static constexpr uint16_t kNone = kHeights;  // the facet lies between rays
   const GridRays& rays_;
   const int w_;
   const double lowest_, per_height_;
   std::shared_ptr<FacetBlock> block_ = std::make_shared<FacetBlock>();
-  std::vector<uint16_t> heights_;
-  std::vector<uint32_t> order_ = std::vector<uint32_t>(kHeights + 2);
+  std::vector<uint32_t> list_;
 };
 
 Tiling::Tiling(std::shared_ptr<const GridFacets> facets, const Metadata& meta, std::vector<uint8_t> widened, const TreeRange& range)
@@ -146,7 +135,10 @@ std::optional<TileGroup> Tiling::next() {
     path_.pop_back();
     if (!node.block && !bins_->is_split(node.place)) node = take_bin(node.place);
     if (!wanted(node.place) && (node.block || !bins_->is_split(node.place))) continue;  // its facets were only counted
-    if (node.place.depth == 0) return TileGroup{node.place.cu, node.place.cv, std::move(node.block), std::move(node.facets)};
+    if (node.place.depth == 0) {
+      std::vector<ListedFacet> facets = listed(node);
+      return TileGroup{node.place.cu, node.place.cv, std::move(node.block), std::move(facets)};
+    }
     push_children(node);
   }
   return std::nullopt;
@@ -155,27 +147,45 @@ std::optional<TileGroup> Tiling::next() {
 void Tiling::push_children(const Node& node) {
   const TreePlace& at = node.place;
   const int depth = at.depth - 1;
-  std::array<std::vector<ListedFacet>, kChildren> lists;
+  std::array<std::vector<uint32_t>, kChildren> lists;
   std::array<bool, kChildren> here;
   for (uint32_t k = 0; k < kChildren; ++k) {
     here[k] = wanted(at.child(k));
     if (here[k])
       lists[k].reserve(node.facets.size() / 8);  // memory that is reserved and unused is never touched; growing would touch all of it twice
   }
-  for (const ListedFacet& f : node.facets) {
-    const ChunkRange& chunks = node.block->chunks[f.number];
-    for_each_child(chunks, at.cu, at.cv, kFanOutBits * at.depth, [&](uint32_t k) {
-      const TreePlace child = at.child(k);
-      if (!here[k]) return;
-      lists[k].push_back(depth == 0 ? listed(f.number, chunks, child.cu, child.cv) : f);
+  for (const uint32_t facet : node.facets)
+    for_each_child(node.block->chunks[facet], at.cu, at.cv, kFanOutBits * at.depth, [&](uint32_t k) {
+      if (here[k]) lists[k].push_back(facet);
     });
-  }
   for (uint32_t k = kChildren; k-- > 0;) {  // the last one first, because path_ is a stack
     const TreePlace child = at.child(k);
     if (!wanted(child) && (node.block || !counter_)) continue;
     if (uint64_t{child.cu} << (kFanOutBits * depth) < groups_u_ && uint64_t{child.cv} << (kFanOutBits * depth) < groups_v_)
       path_.push_back({child, node.block, std::move(lists[k])});
   }
+}
+
+// The facets of a node that is a group.
+std::vector<ListedFacet> Tiling::listed(const Node& node) {
+  std::vector<ListedFacet> out(node.facets.size());
+  const auto list = [&,
+                     within = [](uint32_t chunk, uint32_t first) { return static_cast<uint16_t>(std::clamp(chunk, first, first + kFanOut) - first); },
+                     u = node.place.cu * kFanOut, v = node.place.cv * kFanOut](uint32_t facet) {
+    const ChunkRange& r = node.block->chunks[facet];
+    return ListedFacet{
+        facet, node.block->heights[facet], within(r.first_u, u), within(r.last_u + 1, u), within(r.first_v, v), within(r.last_v + 1, v)};
+  };
+  if (out.size() < kHeights / 16) {  // a place for each height would take longer
+    std::ranges::transform(node.facets, out.begin(), list);
+    std::ranges::sort(out, {}, [](const ListedFacet& f) { return uint64_t{f.height} << 32 | f.number; });
+    return out;
+  }
+  std::array<uint32_t, kHeights + 1> places{};
+  for (const uint32_t facet : node.facets) ++places[node.block->heights[facet] + 1];
+  std::partial_sum(places.begin(), places.end(), places.begin());
+  for (const uint32_t facet : node.facets) out[places[node.block->heights[facet]]++] = list(facet);
+  return out;
 }
 
 std::array<std::vector<const SceneFacet*>, kFanOut> Tiling::split(const TileGroup& group, uint32_t row) const {

@@ -23,24 +23,26 @@
 
 namespace teracell::mesher {
 
-// Facets in memory, and where each may have rays.
+// Facets in memory, where each may have rays, and how high its lowest vertex lies along them, in 4096ths of the grid.
 struct FacetBlock {
   std::shared_ptr<const GridFacets> facets;
   std::vector<ChunkRange, Populated<ChunkRange>> chunks;
+  std::vector<uint16_t> heights;
 };
 
-// A facet in the list of a node. At depth 0 also the chunks [u0, u1) x [v0, v1) of the node's 4 x 4 in which it may have rays.
-// (Looking these up in the block for each row took most of the time of splitting a group.)
+// A facet of a group, and the chunks [u0, u1) x [v0, v1) of its 4 x 4 in which the facet may have rays. (Looking these up in the block for
+// each row took most of the time of splitting a group.)
 struct ListedFacet {
   uint32_t number;
-  uint8_t u0, u1, v0, v1;
+  uint16_t height;
+  uint16_t u0 : 4, u1 : 4, v0 : 4, v1 : 4;
 };
 
 // 4 x 4 tiles (fewer at the grid's edge). Each tile is a chunk of level 0, and all together are one chunk of level 2.
 struct TileGroup {
   uint32_t cu, cv;  // its place, in groups
   std::shared_ptr<const FacetBlock> block;
-  std::vector<ListedFacet> facets;  // those that may meet its rays
+  std::vector<ListedFacet> facets;  // those that may meet its rays, from the lowest to the highest along them
 };
 
 // next() is not thread-safe; split() may run on any thread, also while next() runs.
@@ -64,7 +66,7 @@ class Tiling {
   struct Node {
     TreePlace place;
     std::shared_ptr<const FacetBlock> block;  // null: the facets are in bins
-    std::vector<ListedFacet> facets;
+    std::vector<uint32_t> facets;             // ascending, so that a node's children are made by one walk through the block
   };
   class NodeBuilder;
   Tiling(const Metadata& meta, std::vector<uint8_t> widened, const TreeRange& range);
@@ -74,6 +76,7 @@ class Tiling {
   Node load(const TreePlace& place) const;
   Node take_bin(const TreePlace& place);
   void push_children(const Node& node);
+  static std::vector<ListedFacet> listed(const Node& node);
 
   GridRays rays_;
   TreeRange range_;
