@@ -8,6 +8,7 @@
 #include <span>
 
 #include "mesher/engines/engine.hpp"
+#include "mesher/engines/predicates.hpp"
 #include "store/base/system/vector_units.hpp"
 
 namespace teracell::mesher {
@@ -18,7 +19,14 @@ namespace teracell::mesher {
 class FacetHeight {
  public:
   // `axis` is that of the cells, along frame.w.
-  FacetHeight(const Facet& facet, const RayFrame& frame, const Axis& axis);
+  TERACELL_IN_LINE FacetHeight(const Facet& facet, const RayFrame& frame, const Axis& axis) : facet_(facet), frame_(frame), axis_(axis) {
+    const auto& [a, b, c] = facet.vertex;
+    u0_ = a[frame.u], v0_ = a[frame.v], w0_ = a[frame.w];
+    flat_ = b[frame.w] == w0_ && c[frame.w] == w0_;
+    if (flat_) return;
+    bound_plane();
+    if (!axis.is_graded()) bound_cells();
+  }
 
   // For the rays u[i] of the row v: cells[i] = the first cell whose sample point, shifted by the tie rule, lies above the facet, or
   // the number of cells. Adds to `exact` how often the exact predicate was called. REQUIRES: all of the rays cross the facet.
@@ -49,8 +57,41 @@ class FacetHeight {
   void first_sub_positions(std::span<const double> u, double v, const uint32_t* cells, uint32_t* subs, uint64_t& exact) const;
 
  private:
-  void bound_plane();
-  void bound_cells();
+  TERACELL_IN_LINE void bound_plane() {
+    const auto& [a, b, c] = facet_.vertex;
+    const RayFrame& f = frame_;
+    const double d1u = b[f.u] - u0_, d1v = b[f.v] - v0_, d1w = b[f.w] - w0_;
+    const double d2u = c[f.u] - u0_, d2v = c[f.v] - v0_, d2w = c[f.w] - w0_;
+    // The normal. The error of each component is at most four roundings of its two products.
+    const double nu = d1v * d2w - d1w * d2v, eu = 4 * kRoundoff * (std::abs(d1v * d2w) + std::abs(d1w * d2v));
+    const double nv = d1w * d2u - d1u * d2w, ev = 4 * kRoundoff * (std::abs(d1w * d2u) + std::abs(d1u * d2w));
+    const double nw = d1u * d2v - d1v * d2u, ew = 4 * kRoundoff * (std::abs(d1u * d2v) + std::abs(d1v * d2u));
+    const double safe = std::abs(nw) - ew;
+    if (!(safe > 0)) {
+      slack_ = HUGE_VAL;
+      return;
+    }
+    // A division takes as long as all that is multiplied here, so there are two: a gradient has one rounding more.
+    const double per_nw = 1 / nw, per_safe = 1 / safe;
+    gu_ = -nu * per_nw;
+    gv_ = -nv * per_nw;
+    // The error of the gradient, then that of the two terms over the extent of the facet and of what is made of their sum (eight roundings). It
+    // is doubled to cover the second-order terms that are left out.
+    const double width = std::max(std::abs(d1u), std::abs(d2u)), height = std::max(std::abs(d1v), std::abs(d2v));
+    const double slope_u = std::abs(gu_), slope_v = std::abs(gv_);
+    const double error_u = (eu + slope_u * ew) * per_safe + 4 * kRoundoff * slope_u;
+    const double error_v = (ev + slope_v * ew) * per_safe + 4 * kRoundoff * slope_v;
+    slack_ = 2 * (width * error_u + height * error_v + 8 * kRoundoff * (std::abs(w0_) + slope_u * width + slope_v * height));
+    if (!(slack_ < HUGE_VAL)) slack_ = HUGE_VAL;  // if it is not a number
+  }
+  // In units of cells, sample points lie at integers t. The bound includes the rounding of the sample points themselves and of t.
+  TERACELL_IN_LINE void bound_cells() {
+    axis_origin_ = axis_.origin(), cells_ = static_cast<double>(axis_.cells());
+    per_cell_ = 1 / axis_.step();
+    offset_ = static_cast<double>(axis_.first()) + axis_.sample();
+    const double reach = offset_ + cells_ + (std::abs(axis_origin_) + std::abs(w0_)) * per_cell_;
+    cell_slack_ = slack_ * per_cell_ * (1 + 8 * kRoundoff) + 16 * kRoundoff * reach;
+  }
   bool above(double u, double v, double w, uint64_t& exact) const;
   uint32_t first_sub_position(double u, double v, uint32_t cell, uint64_t& exact) const;
 
