@@ -165,12 +165,13 @@ class Outputs(Case):
             self.assertEqual(self.bytes("g.tcell"), kept, "the older file stays")
         self.run_ok("mesh", "box.stl", "--cells", "8000,8000,8000", "-o", "large.tcell")
         self.run_ok("mesh", "box.stl", "--cells", "2000,2000,2000", "-o", "linked.tcell", "--links")
+        self.run_ok("mesh", "box.stl", "--cells", "700,700,700", "-o", "small.tcell")  # whose leaves are found in no time, before a file is there
         before = set(os.listdir(self.folder))
         formats = [line.split()[0] for line in self.run_ok("export", "--list").out.splitlines() if not line.startswith(" ")]
         self.assertIn("ply", formats)
         for name in formats:
             media = {"openems": ["--epsilon", "box=2"], "openfoam": ["--ranks", 1000], "leaves": ["--refine", 4], "vtu": ["--refine", 4]}.get(name, [])  # 1000: labels that are wide enough
-            grid = "linked.tcell" if name == "links" else "large.tcell"
+            grid = {"links": "linked.tcell", "leaves": "small.tcell", "vtu": "small.tcell"}.get(name, "large.tcell")
             self.interrupt(["export", grid, "-o", "out", "--format", name, *media], lambda _: set(os.listdir(self.folder)) != before)
             self.assertEqual(set(os.listdir(self.folder)), before, name)
         self.interrupt(["slice", "large.tcell", "--axis", "z", "--index", 3999, "-o", "large.npy"],

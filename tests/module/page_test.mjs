@@ -98,8 +98,8 @@ async function expect_as_served(page, grid) {
 }
 
 // Whether it says of the grid what the server's page says, which `teracell check` has found.
-async function expect_findings(page) {
-  const served = await open_grid(browser, `${server.url}#g=stadium`);
+async function expect_findings(page, name) {
+  const served = await open_grid(browser, `${server.url}#g=${name}`);
   for (const one of [page, served]) {
     await one.click("#tab-report");
     await one.waitForFunction(() => {
@@ -115,10 +115,12 @@ test("a folder on a plain host: the page shows what the server's shows, and spea
   const page = await open_grid(browser, `${host.url}/#g=stadium`);
   await expect_as_served(page, "stadium");
   assert.equal(await page.locator("#tab-status").count(), 0);
-  await expect_findings(page);
   await page.click("#tab-share");
   assert.doesNotMatch(await panel(page), /Open in Neuroglancer|zarr\.open/);
   await close(page);
+  const checked = await open_grid(browser, `${host.url}/#g=mixed`);
+  await expect_findings(checked, "mixed");
+  await close(checked);
   const list = await open_page(browser, `${host.url}/`);
   await list.waitForSelector(".card h2");
   assert.deepEqual(await list.locator(".card h2").allInnerTexts(), ["stadium", "mixed"]);
@@ -158,7 +160,6 @@ test("one HTML file opens from a disk, without a network", async () => {
   await page.goto(pathToFileURL(join(folder, "stadium.html")).href);
   await settled(page);
   await expect_as_served(page, "stadium");
-  await expect_findings(page);
   await page.getByLabel("Help").click();
   const [notice] = await Promise.all([page.context().waitForEvent("page"), page.getByText("Licences of the third-party").click()]);
   await notice.waitForLoadState();
@@ -186,6 +187,7 @@ test("in one HTML file there are the tree of parts, mixed cells with their plane
     await page.waitForTimeout(500);
     assert.equal(await panel(page), await panel(served), tab);
   }
+  await expect_findings(page, "parts");
   // The shares of a mixed cell and its plane, beside the pointer.
   const [mixed] = await served.evaluate(async () => {
     for (let i = 0; i < 12; ++i)
