@@ -91,12 +91,14 @@ uint32_t take_pairs(const uint64_t* c, uint32_t rays, uint32_t layer, uint32_t l
 
 // Whether all that happens to the ray follows from the order of its crossings.
 bool can_be_learnt(std::span<const uint64_t> sorted, uint32_t length) {
-  uint32_t before = 0;
-  for (const uint64_t c : sorted) {
-    if (Crossing::cell(c) <= before || Crossing::is_mark(c)) return false;
-    before = Crossing::cell(c);
-  }
-  return before < length;
+  uint64_t marks = 0;
+  for (const uint64_t c : sorted) marks |= c & Crossing::kMark;
+  return !sorted.empty() && marks == 0 && Crossing::cell(sorted.front()) > 0 && Crossing::cell(sorted.back()) < length;
+}
+
+// A crossing without its cell, and whether that is the cell of the crossing before it.
+uint64_t without_cell(uint64_t crossing, uint32_t cell_before) {
+  return uint64_t{Crossing::cell(crossing) == cell_before} << 32 | static_cast<uint32_t>(crossing);
 }
 
 }  // namespace
@@ -306,8 +308,11 @@ size_t Composer::compose_any(std::span<const uint64_t> all, uint32_t length, uin
     learning_ = &course;
     learnt_from_ = all;
     course.known = false;
-    course.crossings.clear(), course.changes.clear(), course.steps.clear(), course.leaving.clear();
-    for (const uint64_t c : all) course.crossings.push_back(static_cast<uint32_t>(c));
+    course.crossings.clear(), course.changes.clear(), course.steps.clear(), course.leaving.clear(), course.shared.clear();
+    for (uint32_t before = 0; const uint64_t c : all) {
+      course.crossings.push_back(without_cell(c, before));
+      before = Crossing::cell(c);
+    }
     course.cells.assign(all.size(), 0);
   }
   sets_.assign(1, 0);
@@ -326,7 +331,10 @@ size_t Composer::compose_any(std::span<const uint64_t> all, uint32_t length, uin
     since = until;
     const size_t begin = i;
     for (; i < all.size() && Crossing::cell(all[i]) == cell; ++i) step(all[i], until);
-    if (i - begin > 1) note_pairs(all.subspan(begin, i - begin), length);
+    if (i - begin > 1) {
+      note_pairs(all.subspan(begin, i - begin), length);
+      if (learning_) learning_->shared.push_back({crossing_, static_cast<uint32_t>(i)});
+    }
     if (cell >= length) continue;
     if (inside_.size() > 1 && inside_.back().rank != owner_.rank) owner_ = {inside_.back().rank, cell};
     const Label label = label_here();
@@ -349,16 +357,16 @@ size_t Composer::compose_any(std::span<const uint64_t> all, uint32_t length, uin
 
 bool Composer::compose_again(Course& course, std::span<const uint64_t> all, uint32_t length, uint32_t*& at, uint32_t& pattern) {
   if (!course.known || course.crossings.size() != all.size()) return false;
-  uint32_t differences = 0, before = 0;
-  bool ascending = true;
+  uint64_t differences = 0;
+  uint32_t before = 0;
   for (size_t i = 0; i < all.size(); ++i) {
-    differences |= static_cast<uint32_t>(all[i]) ^ course.crossings[i];
-    ascending &= Crossing::cell(all[i]) > before;
+    differences |= without_cell(all[i], before) ^ course.crossings[i];
     before = Crossing::cell(all[i]);
   }
-  if (differences != 0 || !ascending || before >= length) return false;
+  if (differences != 0 || before >= length) return false;
   for (size_t i = 0; i < all.size(); ++i) course.cells[i] += Crossing::cell(all[i]);
   for (const uint32_t change : course.changes) *at++ = Crossing::cell(all[change]);
+  for (const Course::Shared& s : course.shared) note_pairs(all.subspan(s.from, s.to - s.from), length);
   const auto cell_of = [&](uint32_t crossing) { return Crossing::cell(all[crossing]); };
   for (const Course::Leaving& l : course.leaving) {
     others_.clear();

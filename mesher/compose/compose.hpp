@@ -61,8 +61,8 @@ class Composer {
     Label label = 0;
     uint32_t pattern = ~0u;
   };
-  // What became of a ray that meets several bodies, for the rays after it that meet the same ones in the same order: neighbours mostly do.
-  // Its crossings, all of which lie in different cells, are known by their order.
+  // What became of a ray that meets several bodies, for the rays after it that meet the same ones in the same order, with the same crossings
+  // in one cell: neighbours mostly do. Its crossings are known by their order.
   struct Course {
     struct Step {
       uint32_t crossing, body;
@@ -74,12 +74,16 @@ class Composer {
       std::vector<Inside> others;
       Owner owner;
     };
+    struct Shared {  // the crossings [from, to) lie in one cell
+      uint32_t from, to;
+    };
     bool known = false;
     uint32_t pattern = 0;
-    std::vector<uint32_t> crossings;  // without their cells
+    std::vector<uint64_t> crossings;  // without their cells, but with whether it is that of the one before
     std::vector<uint32_t> changes;    // the crossings that are
     std::vector<Step> steps;
     std::vector<Leaving> leaving;
+    std::vector<Shared> shared;
     std::vector<uint64_t> cells;      // by crossing: the sum over the rays since the first one
   };
   // The rays [from, to) have as many crossings each. Writes their changes at `at`.
@@ -120,7 +124,7 @@ class Composer {
   std::vector<CrossingPairs> pairs_;
   std::vector<SetId> sets_;
   std::vector<std::vector<Alternating>> alternating_;  // [begins inside][number of changes]
-  static constexpr size_t kCourses = 16;
+  static constexpr size_t kCourses = 64;
   std::array<Course, kCourses> courses_;  // of the tile, by their hashes; the latest ones
   Course* learning_ = nullptr;            // that of the ray that is being composed, whose crossings these are; null if it has none
   std::span<const uint64_t> learnt_from_;

@@ -210,7 +210,8 @@ std::vector<uint64_t> pair_of(std::mt19937_64& random, uint32_t length) {
   return {up(static_cast<uint32_t>(first), 0), down(static_cast<uint32_t>(random_int(random, first + least, std::max(first + 1, end - least))), 0)};
 }
 
-// The same crossings in the same order, in other cells, all of which are different. REQUIRES: they are fewer than `length`.
+// The same crossings in the same order, in other cells: those of one cell in one cell or, now and then, all in different ones. REQUIRES: they
+// are fewer than `length`.
 std::vector<uint64_t> like(std::mt19937_64& random, std::vector<uint64_t> ray, uint32_t length) {
   std::ranges::sort(ray);
   std::vector<uint32_t> cells(length - 1);
@@ -218,9 +219,14 @@ std::vector<uint64_t> like(std::mt19937_64& random, std::vector<uint64_t> ray, u
   std::ranges::shuffle(cells, random);
   cells.resize(ray.size());
   std::ranges::sort(cells);
-  for (size_t i = 0; i < ray.size(); ++i) ray[i] = uint64_t{cells[i]} << 32 | static_cast<uint32_t>(ray[i]);
-  std::ranges::shuffle(ray, random);
-  return ray;
+  const bool apart = random_int(random, 0, 4) == 0;
+  std::vector<uint64_t> out;
+  for (size_t i = 0, group = 0; i < ray.size(); ++i) {
+    group += i > 0 && Crossing::cell(ray[i]) != Crossing::cell(ray[i - 1]);
+    out.push_back(uint64_t{cells[apart ? i : group]} << 32 | static_cast<uint32_t>(ray[i]));
+  }
+  std::ranges::shuffle(out, random);
+  return out;
 }
 
 TEST_CASE("Cells, what bodies own and cover, and where they overlap, are those of looking at every cell alone, tile after tile") {
@@ -252,6 +258,16 @@ TEST_CASE("Cells, what bodies own and cover, and where they overlap, are those o
       RayBlock out;
       composer.compose(crossings, nu, nv, length, out);
       REQUIRE((out.nu == nu && out.nv == nv && out.length == length));
+      using Pairs = std::map<std::array<uint32_t, 3>, uint64_t>;  // by ray, cell and body
+      Pairs close, expected_close;
+      for (const CrossingPairs& p : composer.crossing_pairs()) close[{p.ray, p.cell, p.body}] += p.pairs;
+      for (uint32_t ray = 0; ray < rays.size(); ++ray)
+        for (const uint64_t c : rays[ray])
+          if (!Crossing::is_mark(c) && Crossing::cell(c) > 0 && Crossing::cell(c) < length)
+            ++expected_close[{ray, Crossing::cell(c), bodies.layers[Crossing::layer(c)].body}];
+      for (auto& [place, crossings_there] : expected_close) crossings_there /= 2;
+      std::erase_if(expected_close, [](const auto& item) { return item.second == 0; });
+      REQUIRE(close == expected_close);
       std::map<std::array<uint32_t, 2>, Overlap> overlaps;
       std::map<uint32_t, std::pair<uint64_t, uint64_t>> cells, found;  // of a body: owned, covered
       for (uint32_t ray = 0; ray < out.rays(); ++ray) {
