@@ -71,7 +71,7 @@ class FacetHeight {
       slack_ = HUGE_VAL;
       return;
     }
-    // A division takes as long as all that is multiplied here, so there are two: a gradient has one rounding more.
+    // Divisions take long, so there are two in place of four, for which a gradient has one rounding more.
     const double per_nw = 1 / nw, per_safe = 1 / safe;
     gu_ = -nu * per_nw;
     gv_ = -nv * per_nw;

@@ -165,7 +165,7 @@ class Outputs(Case):
             self.assertEqual(self.bytes("g.tcell"), kept, "the older file stays")
         self.run_ok("mesh", "box.stl", "--cells", "8000,8000,8000", "-o", "large.tcell")
         self.run_ok("mesh", "box.stl", "--cells", "2000,2000,2000", "-o", "linked.tcell", "--links")
-        self.run_ok("mesh", "box.stl", "--cells", "700,700,700", "-o", "small.tcell")  # whose leaves are found in no time, before a file is there
+        self.run_ok("mesh", "box.stl", "--cells", "700,700,700", "-o", "small.tcell")  # a file of leaves is begun when all of them are found
         before = set(os.listdir(self.folder))
         formats = [line.split()[0] for line in self.run_ok("export", "--list").out.splitlines() if not line.startswith(" ")]
         self.assertIn("ply", formats)
