@@ -159,7 +159,7 @@ class MeshRun {
 
   void finish(const std::string& report) {
     run_.progress("write", 0);
-    writer_->finish(report, totals_.crossings, totals_.labels);
+    writer_->finish(report, totals_.crossings, &totals_.sums);
     remove_checkpoint(output_);
     run_.commit_caps();
     run_.end_phase("finish");

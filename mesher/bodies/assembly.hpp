@@ -20,7 +20,7 @@ class Assembly {
   Assembly(const std::filesystem::path& output, const Metadata& meta) : writer_(output, meta), pyramid_(writer_) {}
   // The places of all bytes of a part, which are to be there before finish(). Parts come in order.
   std::vector<Placed> add(const PartReader& part);
-  void finish(const std::string& report, uint64_t crossings, LabelsSum labels) { writer_.finish(report, crossings, labels); }
+  void finish(const std::string& report, uint64_t crossings, const CellSums& sums) { writer_.finish(report, crossings, &sums); }
   uint64_t bytes() const { return writer_.bytes(); }
 
  private:

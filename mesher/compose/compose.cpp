@@ -96,6 +96,13 @@ bool can_be_learnt(std::span<const uint64_t> sorted, uint32_t length) {
   return !sorted.empty() && marks == 0 && Crossing::cell(sorted.front()) > 0 && Crossing::cell(sorted.back()) < length;
 }
 
+// Where the course of a ray is kept: by the order of its crossings.
+size_t course_of(std::span<const uint64_t> sorted) {
+  uint32_t hash = 0, factor = 1;  // no product waits for the one before
+  for (const uint64_t c : sorted) hash += static_cast<uint32_t>(c) * factor, factor += 0x9E3779B2;
+  return hash * 0x85EBCA6Bu >> (32 - Composer::kCourseBits);
+}
+
 // A crossing without its cell, and whether that is the cell of the crossing before it.
 uint64_t without_cell(uint64_t crossing, uint32_t cell_before) {
   return uint64_t{Crossing::cell(crossing) == cell_before} << 32 | static_cast<uint32_t>(crossing);
@@ -111,6 +118,7 @@ Composer::Composer(std::vector<Layer> layers, const std::vector<uint32_t>& rank,
 }
 
 std::vector<BodyCells> Composer::take_cells() {
+  for (Course& course : courses_) add_cells(course);
   std::vector<BodyCells> out;
   out.reserve(met_.size());
   for (const uint32_t b : met_) {
@@ -158,7 +166,7 @@ void Composer::step(uint64_t crossing, uint32_t cell) {
     body.layers = static_cast<uint16_t>(body.layers + (is ? 1 : -1));
     if (body.layers == is) {  // otherwise another layer of the body decides
       body.within += is ? -int64_t{cell} : int64_t{cell};
-      if (learning_) learning_->steps.push_back({crossing_, layer.body, 0, is ? -1 : 1});
+      if (learning_) learning_->turns[crossing_] = {layer.body, is ? 1 : -1};
       if (is) enter({body.rank, layer.body, body.marks > 0 ? kNowhere : cell});
       else leave(body.rank, cell);
     }
@@ -181,7 +189,7 @@ void Composer::note_pairs(std::span<const uint64_t> crossings, uint32_t length) 
 void Composer::compose(Crossings& crossings, uint32_t nu, uint32_t nv, uint32_t length, RayBlock& out) {
   out.reset_in_place(nu, nv, length, crossings.all.size());  // as many changes at most
   alternating_.assign(2, {});
-  for (Course& course : courses_) course.known = false;
+  ++tile_;
   pairs_.clear();
   overlaps_.begin_tile(nu);
   uint32_t* at = out.at.data();
@@ -192,7 +200,6 @@ void Composer::compose(Crossings& crossings, uint32_t nu, uint32_t nv, uint32_t 
     compose_alike(crossings, first, ray, length, at, out);
   }
   out.at.resize(at - out.at.data());
-  for (Course& course : courses_) add_cells(course);
 }
 
 void Composer::compose_alike(Crossings& crossings, uint32_t from, uint32_t to, uint32_t length, uint32_t*& at, RayBlock& out) {
@@ -300,19 +307,19 @@ inline Label Composer::label_here() const {
 }
 
 size_t Composer::compose_any(std::span<const uint64_t> all, uint32_t length, uint32_t*& at, uint32_t& pattern, PatternTable& patterns) {
-  Course& course = courses_[all.empty() ? 0 : (all.size() * 5 + Crossing::layer(all.front()) + size_t{3} * Crossing::layer(all.back())) % kCourses];
-  if (compose_again(course, all, length, at, pattern)) return 0;
+  Course& course = courses_[course_of(all)];
+  if (compose_again(course, all, length, at, pattern, patterns)) return 0;
   learning_ = nullptr;
   if (can_be_learnt(all, length)) {
     add_cells(course);
     learning_ = &course;
     learnt_from_ = all;
     course.known = false;
-    course.crossings.clear(), course.changes.clear(), course.steps.clear(), course.leaving.clear(), course.shared.clear();
-    for (uint32_t before = 0; const uint64_t c : all) {
-      course.crossings.push_back(without_cell(c, before));
-      before = Crossing::cell(c);
-    }
+    course.changes.clear(), course.leaving.clear(), course.others.clear(), course.shared.clear();
+    course.crossings.resize(all.size());
+    for (size_t i = 0; i < all.size(); ++i) course.crossings[i] = without_cell(all[i], i == 0 ? 0 : Crossing::cell(all[i - 1]));
+    course.owners.assign(all.size(), kNowhere);
+    course.turns.assign(all.size(), {kNowhere, 0});
     course.cells.assign(all.size(), 0);
   }
   sets_.assign(1, 0);
@@ -320,20 +327,19 @@ size_t Composer::compose_any(std::span<const uint64_t> all, uint32_t length, uin
   uint32_t since = 0;
   for (size_t i = 0; i < all.size();) {
     const uint32_t cell = Crossing::cell(all[i]), until = std::min(cell, length);
-    crossing_ = static_cast<uint32_t>(i);
     if (!inside_.empty()) {
       bodies_[inside_.back().body].owned += until - since;
-      if (learning_) {
-        learning_->steps.push_back({crossing_ - 1, inside_.back().body, -1, 0});
-        learning_->steps.push_back({crossing_, inside_.back().body, 1, 0});
-      }
+      if (learning_) learning_->owners[i] = inside_.back().body;
     }
     since = until;
     const size_t begin = i;
-    for (; i < all.size() && Crossing::cell(all[i]) == cell; ++i) step(all[i], until);
+    for (; i < all.size() && Crossing::cell(all[i]) == cell; ++i) {
+      crossing_ = static_cast<uint32_t>(i);
+      step(all[i], until);
+    }
     if (i - begin > 1) {
       note_pairs(all.subspan(begin, i - begin), length);
-      if (learning_) learning_->shared.push_back({crossing_, static_cast<uint32_t>(i)});
+      if (learning_) learning_->shared.push_back({static_cast<uint32_t>(begin), static_cast<uint32_t>(i)});
     }
     if (cell >= length) continue;
     if (inside_.size() > 1 && inside_.back().rank != owner_.rank) owner_ = {inside_.back().rank, cell};
@@ -349,13 +355,16 @@ size_t Composer::compose_any(std::span<const uint64_t> all, uint32_t length, uin
   pattern = patterns.intern(sets_);
   if (learning_ && open_ == 0) {
     course.known = true;
+    course.tile = tile_;
     course.pattern = pattern;
+    course.sets = sets_;
   }
   learning_ = nullptr;
   return open_;
 }
 
-bool Composer::compose_again(Course& course, std::span<const uint64_t> all, uint32_t length, uint32_t*& at, uint32_t& pattern) {
+bool Composer::compose_again(Course& course, std::span<const uint64_t> all, uint32_t length, uint32_t*& at, uint32_t& pattern,
+                             PatternTable& patterns) {
   if (!course.known || course.crossings.size() != all.size()) return false;
   uint64_t differences = 0;
   uint32_t before = 0;
@@ -370,21 +379,26 @@ bool Composer::compose_again(Course& course, std::span<const uint64_t> all, uint
   const auto cell_of = [&](uint32_t crossing) { return Crossing::cell(all[crossing]); };
   for (const Course::Leaving& l : course.leaving) {
     others_.clear();
-    for (const Inside& other : l.others) others_.push_back({other.rank, other.body, cell_of(other.from)});
+    for (const Inside& other : std::span(course.others).subspan(l.first_other, l.end_other - l.first_other))
+      others_.push_back({other.rank, other.body, cell_of(other.from)});
     overlaps_.leave(ray_, {l.body.rank, l.body.body, cell_of(l.body.from)}, cell_of(l.to), others_, {l.owner.rank, cell_of(l.owner.since)});
   }
+  if (course.tile != tile_) course.pattern = patterns.intern(course.sets), course.tile = tile_;
   pattern = course.pattern;
+  course.taken = true;
   return true;
 }
 
 // Of the rays that took the course again.
 void Composer::add_cells(Course& course) {
-  if (!course.known) return;
-  for (const Course::Step& s : course.steps) {
-    const auto cells = static_cast<int64_t>(course.cells[s.crossing]);
-    bodies_[s.body].owned += s.owned * cells;
-    bodies_[s.body].within += s.within * cells;
+  if (!course.taken) return;
+  course.taken = false;
+  for (size_t i = 0; i < course.cells.size(); ++i) {
+    const auto cells = static_cast<int64_t>(course.cells[i]);
+    if (course.owners[i] != kNowhere) meet(course.owners[i]).owned += cells - static_cast<int64_t>(course.cells[i - 1]);
+    if (course.turns[i].way != 0) meet(course.turns[i].body).within -= course.turns[i].way * cells;
   }
+  std::ranges::fill(course.cells, 0);
 }
 
 // The body that the ray leaves at this crossing, and those that it stays inside of.
@@ -395,7 +409,9 @@ void Composer::learn_leaving(const Inside& body) {
   Course::Leaving& l = learning_->leaving.emplace_back();
   l.body = {body.rank, body.body, crossing_of(body.from)};
   l.to = crossing_;
-  for (const Inside& other : inside_) l.others.push_back({other.rank, other.body, crossing_of(other.from)});
+  l.first_other = static_cast<uint32_t>(learning_->others.size());
+  for (const Inside& other : inside_) learning_->others.push_back({other.rank, other.body, crossing_of(other.from)});
+  l.end_other = static_cast<uint32_t>(learning_->others.size());
   l.owner = {owner_.rank, crossing_of(owner_.since)};
 }
 

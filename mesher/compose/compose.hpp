@@ -48,6 +48,8 @@ class Composer {
   // every tile.
   Bytes take_overlaps(const Box& cells) { return overlaps_.take(cells); }
 
+  static constexpr int kCourseBits = 8;
+
  private:
   struct Body {
     uint32_t rank;
@@ -64,27 +66,32 @@ class Composer {
   // What became of a ray that meets several bodies, for the rays after it that meet the same ones in the same order, with the same crossings
   // in one cell: neighbours mostly do. Its crossings are known by their order.
   struct Course {
-    struct Step {
-      uint32_t crossing, body;
-      int owned, within;  // how often the crossing's cell counts for the body
+    struct Turn {  // 1: the ray enters the body, -1: it leaves it
+      uint32_t body;
+      int way;
     };
     struct Leaving {  // of an overlap; `from`, `to` and `since` are crossings
       Inside body;
       uint32_t to;
-      std::vector<Inside> others;
+      uint32_t first_other, end_other;
       Owner owner;
     };
     struct Shared {  // the crossings [from, to) lie in one cell
       uint32_t from, to;
     };
     bool known = false;
+    bool taken = false;               // since its cells were added up
+    uint64_t tile = 0;                // that the pattern is of
     uint32_t pattern = 0;
+    std::vector<SetId> sets;          // of the pattern
     std::vector<uint64_t> crossings;  // without their cells, but with whether it is that of the one before
     std::vector<uint32_t> changes;    // the crossings that are
-    std::vector<Step> steps;
+    std::vector<uint32_t> owners;     // by crossing: the body that owns the cells since the crossing before, if any
+    std::vector<Turn> turns;          // by crossing
     std::vector<Leaving> leaving;
+    std::vector<Inside> others;       // of all overlaps
     std::vector<Shared> shared;
-    std::vector<uint64_t> cells;      // by crossing: the sum over the rays since the first one
+    std::vector<uint64_t> cells;      // by crossing: the sum over the rays that took it again, since it was added up
   };
   // The rays [from, to) have as many crossings each. Writes their changes at `at`.
   void compose_alike(Crossings& crossings, uint32_t from, uint32_t to, uint32_t length, uint32_t*& at, RayBlock& out);
@@ -95,7 +102,7 @@ class Composer {
   size_t compose_one_layer(std::span<const uint64_t> all, uint32_t length, uint32_t*& at, uint32_t& pattern, PatternTable& patterns);
   size_t compose_any(std::span<const uint64_t> all, uint32_t length, uint32_t*& at, uint32_t& pattern, PatternTable& patterns);
   // Whether the ray takes this course. If so, does what compose_any() does.
-  bool compose_again(Course& course, std::span<const uint64_t> all, uint32_t length, uint32_t*& at, uint32_t& pattern);
+  bool compose_again(Course& course, std::span<const uint64_t> all, uint32_t length, uint32_t*& at, uint32_t& pattern, PatternTable& patterns);
   void add_cells(Course& course);
   void learn_leaving(const Inside& body);
   void step(uint64_t crossing, uint32_t cell);
@@ -124,8 +131,8 @@ class Composer {
   std::vector<CrossingPairs> pairs_;
   std::vector<SetId> sets_;
   std::vector<std::vector<Alternating>> alternating_;  // [begins inside][number of changes]
-  static constexpr size_t kCourses = 64;
-  std::array<Course, kCourses> courses_;  // of the tile, by their hashes; the latest ones
+  std::vector<Course> courses_ = std::vector<Course>(size_t{1} << kCourseBits);  // by their hashes; the latest ones
+  uint64_t tile_ = 0;                     // the number of the tile that is being composed
   Course* learning_ = nullptr;            // that of the ray that is being composed, whose crossings these are; null if it has none
   std::span<const uint64_t> learnt_from_;
   uint32_t crossing_ = 0;                 // the one that is being stepped

@@ -170,7 +170,7 @@ MeshReport merge(const std::vector<std::filesystem::path>& paths, const std::fil
   out.report = make_report(surfaces->scene, std::move(surfaces->bodies), surfaces->counts, plan, totals, surfaces->thin);
   out.json = report_json(out.report, surfaces->scene);
   progress("write", 0, cells);
-  writer.finish(out.json, totals.crossings, totals.labels);
+  writer.finish(out.json, totals.crossings, &totals.sums);
   out.run.phases.push_back({"merge", std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count()});
   out.run.file_bytes = writer.bytes();
   out.run.exact_decisions = totals.exact_decisions;

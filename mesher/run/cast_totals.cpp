@@ -5,7 +5,7 @@ namespace teracell::mesher {
 void CastTotals::add(const RowTotals& row) {
   crossings += row.crossings;
   exact_decisions += row.exact_decisions;
-  labels += row.labels;
+  sums.labels += row.labels;
   for (const BodyCells& b : row.cells) cells[b.body] += b.owned, covered[b.body] += b.covered;
   tallies.add(row.tallies);
   overlaps.add(row.overlaps);
@@ -15,7 +15,7 @@ void CastTotals::add(const RowTotals& row) {
 void CastTotals::add(const CastTotals& other) {
   crossings += other.crossings;
   exact_decisions += other.exact_decisions;
-  labels += other.labels;
+  sums += other.sums;
   for (size_t b = 0; b < cells.size(); ++b) cells[b] += other.cells[b], covered[b] += other.covered[b];
   tallies.add(other.tallies);
   overlaps.add(other.overlaps);
@@ -23,7 +23,10 @@ void CastTotals::add(const CastTotals& other) {
 }
 
 void CastTotals::save(Bytes& out) const {
-  for (const uint64_t n : {crossings, exact_decisions, labels.value, uint64_t{cells.size()}}) put_varint(out, n);
+  put_varint(out, crossings);
+  put_varint(out, exact_decisions);
+  sums.save(out);
+  put_varint(out, cells.size());
   for (const auto* counts : {&cells, &covered})
     for (const unsigned __int128 n : *counts) {
       put_fixed(out, static_cast<uint64_t>(n));
@@ -39,7 +42,7 @@ CastTotals CastTotals::restored(ByteReader& in) {
   CastTotals out;
   out.crossings = in.varint();
   out.exact_decisions = in.varint();
-  out.labels.value = in.varint(0, LabelsSum::kMost, "sums");
+  out.sums = CellSums::restored(in);
   const uint64_t bodies = in.varint(0, in.remaining() / 32, "bodies");
   for (auto* counts : {&out.cells, &out.covered}) {
     counts->resize(bodies);

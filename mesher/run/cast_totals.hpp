@@ -8,7 +8,7 @@
 #include "mesher/overlaps/overlap_sum.hpp"
 #include "mesher/thin/tally.hpp"
 #include "store/base/bytes.hpp"
-#include "store/format/labels_hash.hpp"
+#include "store/format/cell_sums.hpp"
 
 namespace teracell::mesher {
 
@@ -25,7 +25,7 @@ struct RowTotals {
 // What all casting has counted.
 struct CastTotals {
   uint64_t crossings = 0, exact_decisions = 0;
-  LabelsSum labels;  // of the cells so far
+  CellSums sums;  // of the cells so far
   std::vector<unsigned __int128> cells, covered;  // one per body: cells that it owns, and cells in it that a stronger body owns
   Tallies tallies;
   OverlapSum overlaps;

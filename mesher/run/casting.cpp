@@ -17,6 +17,7 @@ CastTotals no_totals(const Scene& scene) {
 
 void add_totals(CastTotals& sum, const TileGroupWork& group) {
   for (const RowTotals& row : group.totals()) sum.add(row);
+  group.add_amounts(sum.sums);
 }
 
 Casting::Casting(const PreparedRun& run, const EngineMaker& make_engine) : run_(run) {

@@ -12,7 +12,7 @@
 namespace teracell::mesher {
 namespace {
 
-constexpr char kMagic[] = "tcellruA";  // its last character is raised when the layout changes
+constexpr char kMagic[] = "tcellruB";  // its last character is raised when the layout changes
 
 }  // namespace
 

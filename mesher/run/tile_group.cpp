@@ -43,6 +43,12 @@ void TileGroupWork::make_chunk(uint32_t i, std::span<const SceneFacet* const> fa
   totals_[i / kFanOut].labels += worker.adder.sum({0, cu, cv, 0}, fine.rays);
 }
 
+void TileGroupWork::add_amounts(CellSums& sums) const {
+  const RayFrame f = meta_.frame();
+  for (const LevelChunk& tile : std::span(chunks_).first(kChildren))
+    for (uint32_t s = 0; s < tile.segments.size(); ++s) sums.add_amounts(shape_, f, {0, tile.cu, tile.cv, s}, tile.segments[s].entry);
+}
+
 // In the order of the channels (plan.cpp).
 void TileGroupWork::make_frames(uint32_t i, const Box& cells, std::span<const SceneFacet* const> facets, const RayBlock& runs, Worker& worker) {
   if (worker.fractions) {

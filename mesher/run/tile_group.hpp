@@ -61,6 +61,7 @@ class TileGroupWork {
   // When all rows are made.
   const std::vector<LevelChunk>& chunks() const { return chunks_; }
   const std::array<RowTotals, kRows>& totals() const { return totals_; }
+  void add_amounts(CellSums& sums) const;
   // What the other channels have for the tiles: calls put(channel, key, frame) for every chunk of level 0.
   template <class F>
   void for_each_frame(F&& put) const {

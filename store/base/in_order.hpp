@@ -26,13 +26,13 @@ inline bool is_alone(int threads) {
 }
 
 // next() -> std::optional<Job> is called by one thread at a time, in order. make(job, worker) -> Result runs on `threads`
-// threads, with worker in [0, threads). take(Result) runs on the calling thread in the order of the jobs. The results that
-// wait for an earlier one are bounded: a thread that is `ahead` * threads jobs ahead sleeps. An exception of any of the
+// threads, with worker in [0, threads); the calling thread is worker 0. take(Result) runs on the calling thread in the order of the jobs. The
+// results that wait for an earlier one are bounded: a thread that is `ahead` * threads jobs ahead sleeps. An exception of any of the
 // three ends the loop and is thrown here. Of several exceptions it is that of the earliest job, so errors don't depend on
 // timing.
 //
-// The calling thread is woken when half of the results that may wait are there, or none can be added, and not for each: to wake it for
-// each row of tiles took a quarter of its time.
+// The calling thread takes what is there before it makes the next one, so taking wakes nobody. Rejected: a thread that does nothing but take.
+// Half of its time went into being woken, and it took a core from a thread that makes.
 template <class Next, class Make, class Take>
 void in_order(int threads, Next next, Make make, Take take, uint64_t ahead = 2) {
   if (is_alone(threads)) {
@@ -50,55 +50,63 @@ void in_order(int threads, Next next, Make make, Take take, uint64_t ahead = 2) 
   // does nothing outside a try that may throw.
   std::vector<Outcome> outcomes(ahead * static_cast<uint64_t>(threads));
   std::mutex mutex;
-  std::condition_variable room, ready;  // for the threads, and for the calling one
+  std::condition_variable room, ready;  // for the other threads, and for the calling one
   uint64_t started = 0, made = 0, taken = 0;  // made: without a gap
   bool exhausted = false, stop = false;
   const auto is_full = [&] { return started == taken + outcomes.size(); };
-  const auto is_ready = [&] { return made - taken >= (is_full() ? 1 : outcomes.size() / 2) || (exhausted && made == started); };
   std::mutex next_mutex;  // of its own: results are handed over while next() takes long
 
+  // Makes the next one. False if there is none or, on the calling thread, which alone makes room, if there is no room for it.
+  const auto make_one = [&](int worker) {
+    std::optional<Job> job;
+    Outcome* outcome = nullptr;
+    {
+      std::unique_lock in_next(next_mutex);
+      for (std::unique_lock lock(mutex); outcome == nullptr;) {
+        if (stop || exhausted || (worker == 0 && is_full())) return false;
+        if (!is_full()) {
+          outcome = &outcomes[started % outcomes.size()];
+        } else {  // the calling thread must get past this, and others
+          in_next.unlock();
+          room.wait(lock, [&] { return stop || exhausted || !is_full(); });
+          lock.unlock();
+          in_next.lock();
+          lock.lock();
+        }
+      }
+      try {
+        job = next();
+      } catch (...) {
+        outcome->error = std::current_exception();
+      }
+      std::lock_guard lock(mutex);
+      if (!job) exhausted = true;
+      if (!job && !outcome->error) {
+        ready.notify_one();
+        room.notify_all();
+        return false;
+      }
+      ++started;
+    }
+    if (job) {
+      try {
+        outcome->result.emplace(make(std::move(*job), worker));
+      } catch (...) {
+        outcome->error = std::current_exception();
+      }
+    }
+    std::lock_guard lock(mutex);
+    outcome->done = true;
+    while (made < started && outcomes[made % outcomes.size()].done) ++made;
+    if (made > taken) ready.notify_one();
+    return true;
+  };
   const auto work = [&, wanted = Wanted::of_workers()](int worker) {
     Wanted::work_for(wanted);
 #ifdef __linux__
     ::pthread_setname_np(::pthread_self(), "worker");  // for top -H, perf and tools/bench/run
 #endif
-    for (;;) {
-      std::optional<Job> job;
-      Outcome* outcome;
-      {
-        std::lock_guard in_next(next_mutex);
-        {
-          std::unique_lock lock(mutex);
-          if (is_full() && is_ready()) ready.notify_one();
-          room.wait(lock, [&] { return stop || exhausted || !is_full(); });
-          if (stop || exhausted) return;
-          outcome = &outcomes[started % outcomes.size()];
-        }
-        try {
-          job = next();
-        } catch (...) {
-          outcome->error = std::current_exception();
-        }
-        std::lock_guard lock(mutex);
-        if (!job) exhausted = true;
-        if (!job && !outcome->error) {
-          ready.notify_one();
-          room.notify_all();
-          return;
-        }
-        ++started;
-      }
-      if (job) {
-        try {
-          outcome->result.emplace(make(std::move(*job), worker));
-        } catch (...) {
-          outcome->error = std::current_exception();
-        }
-      }
-      std::lock_guard lock(mutex);
-      outcome->done = true;
-      while (made < started && outcomes[made % outcomes.size()].done) ++made;
-      if (is_ready()) ready.notify_one();
+    while (make_one(worker)) {
     }
   };
   std::vector<std::jthread> pool;
@@ -112,13 +120,13 @@ void in_order(int threads, Next next, Make make, Take take, uint64_t ahead = 2) 
       room.notify_all();
     }
   } at_exit{mutex, room, stop};
-  for (int i = 0; i < threads; ++i) pool.emplace_back(work, i);
-  for (;;) {
+  for (int i = 1; i < threads; ++i) pool.emplace_back(work, i);
+  for (bool can_make = true;;) {
     uint64_t end;
     {
       std::unique_lock lock(mutex);
-      ready.wait(lock, is_ready);
-      if (made == taken) break;
+      if (!can_make) ready.wait(lock, [&] { return made > taken || (exhausted && made == started); });
+      if (made == taken && exhausted && made == started) break;
       end = made;
     }
     while (taken < end) {
@@ -129,8 +137,9 @@ void in_order(int threads, Next next, Make make, Take take, uint64_t ahead = 2) 
       std::lock_guard lock(mutex);
       outcome.done = false;
       ++taken;
-      room.notify_all();
+      room.notify_one();
     }
+    can_make = make_one(0);
   }
 }
 

@@ -15,7 +15,7 @@
 
 namespace teracell::inline store {
 
-inline constexpr uint16_t kFormatMajor = 3, kFormatMinor = 0, kOldestMajor = 2;  // what is written, and the oldest that is read
+inline constexpr uint16_t kFormatMajor = 3, kFormatMinor = 1, kOldestMajor = 2;  // what is written, and the oldest that is read
 
 uint64_t checksum(std::span<const uint8_t> bytes);  // XXH3, 64 bits, seed 0
 std::string compressor_version();                   // another version may compress to other bytes

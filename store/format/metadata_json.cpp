@@ -83,6 +83,25 @@ Channel channel_from(const JsonNode& j, std::span<const ChannelKind> known) {
   return c;
 }
 
+// A number of cells can have more than 64 bits, so it is a text.
+LabelAmount amount_from(const JsonNode& cells, const JsonNode& label) {
+  LabelAmount out;
+  const std::string& digits = cells.any_text();
+  if (digits.empty() || digits.size() > 28 || (digits[0] == '0' && digits.size() > 1)) cells.fail("a number of cells as a text");
+  for (const char c : digits) {
+    if (c < '0' || c > '9') cells.fail("a number of cells as a text");
+    out.cells = 10 * out.cells + static_cast<unsigned>(c - '0');
+  }
+  if (out.cells == 0) return out;
+  const JsonNode box = label.require("box");
+  const std::vector<JsonNode> corners = box.items(6);
+  for (size_t d = 0; d < 3; ++d) {
+    out.box.lo[d] = static_cast<int64_t>(corners[d].whole(Axis::kMaxCells));
+    out.box.hi[d] = static_cast<int64_t>(corners[d + 3].whole(Axis::kMaxCells));
+  }
+  return out;
+}
+
 Metadata metadata_from(const JsonNode& j, std::span<const ChannelKind> known) {
   Metadata meta;
   meta.units = j.require("units").any_text();
@@ -96,6 +115,7 @@ Metadata metadata_from(const JsonNode& j, std::span<const ChannelKind> known) {
   j.each("labels", [&](const JsonNode& l) {
     const auto overlap = l.find("overlap");
     meta.labels.push_back({whole<uint32_t>(l, "material", 65535), text_or_none(l, "body"), overlap && overlap->boolean()});
+    if (const auto cells = l.find("cells")) meta.amounts.push_back(amount_from(*cells, l));
   });
   j.each("patches", [&](const JsonNode& p) {
     meta.patches.push_back({p.require("name").any_text(), text_or_none(p, "body"), p.require("area").exact()});
@@ -142,6 +162,8 @@ void check(const Metadata& meta) {
     expect(!l.overlap || (i > 0 && !l.body.empty() && meta.labels[i - 1] == LabelInfo{l.material, l.body}),
            "a label of overlaps comes right after the label of its body", "7.4");
   }
+  expect(meta.amounts.empty() || meta.amounts.size() == meta.labels.size(), "either all labels tell their cells or none does", "7.12");
+  expect(meta.amounts.empty() || amounts_fit(meta), "the cells of the labels are not those of the grid", "7.12");
   std::unordered_set<std::string_view> patches;
   for (const PatchInfo& p : meta.patches) {
     expect(std::isfinite(p.area) && p.area >= 0, "the area of a patch is 0 or more", "7.5");
@@ -168,10 +190,15 @@ Bytes encode_metadata(const Metadata& meta) {
   j["ray_axis"] = axis_name(meta.ray_axis);
   for (const Axis& axis : meta.grid.axis) j["axes"].push_back(to_json(axis));
   for (const MaterialInfo& m : meta.materials) j["materials"].push_back({{"name", m.name}, {"color", m.color}, {"rank", m.rank}});
-  for (const LabelInfo& l : meta.labels) {
+  for (size_t i = 0; i < meta.labels.size(); ++i) {
+    const LabelInfo& l = meta.labels[i];
     Json label = {{"material", l.material}};
     if (!l.body.empty()) label["body"] = l.body;
     if (l.overlap) label["overlap"] = true;
+    if (!meta.amounts.empty()) {
+      label["cells"] = whole_text(meta.amounts[i].cells);
+      if (meta.amounts[i].cells != 0) label["box"] = meta.amounts[i].box.corners();
+    }
     j["labels"].push_back(label);
   }
   for (const PatchInfo& p : meta.patches) {

@@ -30,6 +30,14 @@ struct LabelInfo {
   friend bool operator==(const LabelInfo&, const LabelInfo&) = default;
 };
 
+// How many cells a label has, and where they are.
+struct LabelAmount {
+  unsigned __int128 cells = 0;
+  Box box;  // empty when there is no cell
+  void add(unsigned __int128 more, const Box& where);  // both have cells
+  friend bool operator==(const LabelAmount&, const LabelAmount&) = default;
+};
+
 // A part of the boundary: of the surfaces, or a side of the domain.
 struct PatchInfo {
   std::string name;  // no two are equal
@@ -76,6 +84,7 @@ struct Metadata {
   int ray_axis = 2;
   std::vector<MaterialInfo> materials;
   std::vector<LabelInfo> labels;
+  std::vector<LabelAmount> amounts;  // of the labels; empty if the file does not tell
   std::vector<PatchInfo> patches;  // the sides xmin, xmax, ymin ... first; empty if the file does not tell
   uint32_t chunk_rays = 64;      // a chunk has chunk_rays x chunk_rays rays ...
   uint32_t chunk_cells = 65536;  // ... of chunk_cells cells
@@ -94,6 +103,10 @@ struct Metadata {
 inline uint32_t without_overlap(const Metadata& meta, uint32_t label) { return meta.labels[label].overlap ? label - 1 : label; }
 // Whether labels stand for bodies, and not only for materials.
 bool keeps_bodies(const Metadata& meta);
+// Whether the metadata may also say how many cells each label has: its JSON has a bound.
+bool has_room_for_amounts(const Metadata& meta);
+// Whether the amounts lie in the grid and add up to its cells.
+bool amounts_fit(const Metadata& meta);
 // What in the metadata is longer than a file may say, as a sentence for people; empty if nothing is.
 std::string beyond_bounds(const Metadata& meta);
 

@@ -82,6 +82,11 @@ std::vector<CellStats> read_label_stats(const GridReader& reader, const Box& box
   std::vector<CellStats> stats(meta.labels.size());
   if (box.empty()) return stats;
   const bool graded = is_graded(grid);
+  if (!meta.amounts.empty() && box == grid.box(0) && !graded) {  // where cells differ, the volumes are not known yet
+    for (size_t l = 0; l < stats.size(); ++l) stats[l].cells = meta.amounts[l].cells, stats[l].box = meta.amounts[l].box;
+    set_uniform_volumes(grid, stats);
+    return stats;
+  }
   const auto length = [&](int axis, int64_t lo, int64_t hi) { return grid.axis[axis].plane(hi) - grid.axis[axis].plane(lo); };
 
   reader.prefetch(0, box, false);
@@ -121,15 +126,19 @@ std::vector<CellStats> read_label_stats(const GridReader& reader, const Box& box
 }
 
 Box read_box_of(const GridReader& reader, const std::vector<bool>& labels) {
-  const Box all = reader.meta().grid.box(0);
+  const Metadata& meta = reader.meta();
+  LabelAmount sum;
+  for (size_t l = 0; l < meta.amounts.size(); ++l)
+    if (labels[l] && meta.amounts[l].cells != 0) sum.add(1, meta.amounts[l].box);
+  if (!meta.amounts.empty()) return sum.box;
+  const Box all = meta.grid.box(0);
   reader.prefetch(0, all, false);
-  CellStats sum;
-  for_each_part(reader.shape(0), RayBox(all, reader.meta().frame()), [&](const ChunkPart& p) {
+  for_each_part(reader.shape(0), RayBox(all, meta.frame()), [&](const ChunkPart& p) {
     const auto entry = reader.entry(p.key);
-    if (entry->size == 0 && labels[entry->uniform[0]]) add(sum, 1, 0, box_of(reader, p, {entry->uniform[0], 1, {0, 0, 0}, {p.u1, p.v1, p.w1}}));
+    if (entry->size == 0 && labels[entry->uniform[0]]) sum.add(1, box_of(reader, p, {entry->uniform[0], 1, {0, 0, 0}, {p.u1, p.v1, p.w1}}));
     else if (entry->size != 0)
       for (const LabelStats& l : entry->stats)
-        if (labels[l.label]) add(sum, 1, 0, box_of(reader, p, l));
+        if (labels[l.label]) sum.add(1, box_of(reader, p, l));
   });
   return sum.box;
 }

@@ -10,15 +10,16 @@ struct CellStats {
   double volume = 0;
   Box box;  // empty when there is no cell
 };
-// By label. A chunk that lies in the box as a whole is not decoded: the index says enough of it, unless an axis is
-// graded and the cells of a label don't fill a box. Throws UsageError unless the box lies in the grid.
+// By label. What the metadata tell of the whole grid is taken from them. Else a chunk that lies in the box as a whole is not decoded: the index says
+// enough of it, unless an axis is graded and the cells of a label don't fill a box. Throws UsageError unless the box lies in the grid.
 std::vector<CellStats> read_label_stats(const GridReader& reader, const Box& box);
 // By material id: the sums of those of the labels, as read_label_stats() gives them.
 std::vector<CellStats> stats_by_material(const Metadata& meta, const std::vector<CellStats>& of_labels);
 // By material id. Throws what read_label_stats() throws.
 std::vector<CellStats> read_stats(const GridReader& reader, const Box& box);
 
-// The box of the cells with one of these labels, on level 0; empty when there are none. No chunk is decoded.
+// The box of the cells with one of these labels, on level 0; empty when there are none. No chunk is decoded, and no index page is read if the
+// metadata tell.
 Box read_box_of(const GridReader& reader, const std::vector<bool>& labels);
 
 }  // namespace teracell::store

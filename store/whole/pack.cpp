@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "store/base/in_order.hpp"
+#include "store/format/cell_sums.hpp"
 #include "store/format/checked_read.hpp"
 #include "store/format/metadata_json.hpp"
 #include "store/write/writer.hpp"
@@ -173,11 +174,16 @@ class Packer {
     return directory;
   }
 
+  // Of a file of before 3.1 they also tell how many cells each label has.
   std::vector<DirectoryEntry> write_pages(int level, const std::vector<uint64_t>& begins) {
     const LevelShape s = reader_.shape(level);
+    const bool adds_amounts = level == 0 && meta_.amounts.empty() && has_room_for_amounts(meta_);
+    CellSums sums;
     std::vector<DirectoryEntry> directory(s.pages());
     for_each_page(s, [&](uint64_t page) {
       std::vector<ChunkEntry> entries = *reader_.page(level, page);
+      if (adds_amounts)
+        for (uint32_t slot = 0; slot < entries.size(); ++slot) sums.add_amounts(s, meta_.frame(), s.key_of(page, slot), entries[slot]);
       uint64_t offset = begins[page];
       for_each_slot(s, page, [&](uint32_t slot) {
         ChunkEntry& e = entries[slot];
@@ -188,6 +194,11 @@ class Packer {
       directory[page] = append(encode_page(entries, level == 0, file_.size()));
       progress_(static_cast<double>(copied_) / static_cast<double>(reader_.file_bytes()));
     });
+    if (adds_amounts) {
+      meta_.amounts = std::move(sums.amounts);
+      meta_.amounts.resize(meta_.labels.size());
+      if (!amounts_fit(meta_)) throw FormatError("the statistics of its chunks don't add up to the cells of the grid (FORMAT.md 10.3)");
+    }
     return directory;
   }
 

@@ -4,11 +4,13 @@
 #include <map>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "store/base/in_order.hpp"
+#include "store/format/cell_sums.hpp"
 #include "store/format/checked_read.hpp"
 #include "store/format/chunk_stats.hpp"
-#include "store/format/labels_hash.hpp"
+#include "store/text/text.hpp"
 
 namespace teracell::inline store {
 namespace {
@@ -62,6 +64,17 @@ void check_content_hash(const GridReader& reader) {
     throw FormatError(fmt::format("footer: expected content hash {}, found {}", hex(footer.hash), hex(hash.digest())));
 }
 
+void check_amounts(const Metadata& meta, const CellSums& found) {
+  for (size_t l = 0; l < meta.amounts.size(); ++l) {
+    const LabelAmount &told = meta.amounts[l], of_chunks = l < found.amounts.size() ? found.amounts[l] : LabelAmount();
+    if (told == of_chunks) continue;
+    const auto text = [](const LabelAmount& a) {
+      return fmt::format("{} in the box [{}]", counted(a.cells, "cell"), fmt::join(a.box.corners(), ", "));
+    };
+    throw FormatError(fmt::format("label {}: the metadata says {}, found {} (FORMAT.md 7.12)", l, text(told), text(of_chunks)));
+  }
+}
+
 struct ChunkSums {
   uint64_t changes = 0;
   LabelsSum labels;  // of level 0
@@ -80,13 +93,14 @@ ChunkSums check_chunk(const GridReader& reader, const ChunkKey& key, const Chunk
   return {chunk.rays.at.size(), key.level == 0 ? adder.sum(key, chunk.rays) : LabelsSum()};
 }
 
-// Returns the sum of the labels, of level 0.
-LabelsSum verify_level(const GridReader& reader, const LevelInfo& l, int threads, const LabelsAdder& adder, Coverage& coverage,
-                       const std::function<void()>& tell_progress) {
+// Returns what the cells add up to, if it is level 0.
+CellSums verify_level(const GridReader& reader, const LevelInfo& l, int threads, const LabelsAdder& adder, Coverage& coverage,
+                      const std::function<void()>& tell_progress) {
   const LevelShape s = reader.shape(l.level);
   coverage.add(l.directory, directory_bytes(s.pages()));
   LevelInfo sum = {l.level, l.directory, 0, 0, 0};
-  LabelsSum labels;
+  const RayFrame frame = reader.meta().frame();
+  CellSums sums;
   for (uint64_t p = 0; p < s.pages(); ++p) {
     const DirectoryEntry place = reader.page_place(l.level, p);
     coverage.add(place.offset, place.size);
@@ -99,7 +113,8 @@ LabelsSum verify_level(const GridReader& reader, const LevelInfo& l, int threads
     const auto check = [&](uint32_t slot, int) { return std::pair{slot, check_chunk(reader, s.key_of(p, slot), (*page)[slot], adder)}; };
     in_order(threads, next, check, [&](std::pair<uint32_t, ChunkSums> done) {
       const ChunkEntry& e = (*page)[done.first];
-      labels += done.second.labels;
+      sums.labels += done.second.labels;
+      if (l.level == 0) sums.add_amounts(s, frame, s.key_of(p, done.first), e);
       if (e.size == 0) return;
       coverage.add(e.offset, e.size);
       sum.chunks += 1;
@@ -111,7 +126,7 @@ LabelsSum verify_level(const GridReader& reader, const LevelInfo& l, int threads
   if (!(sum == l))
     throw FormatError(fmt::format("level {}: the metadata counts {} chunks, {} bytes, {} changes; found {}, {}, {}", l.level, l.chunks, l.bytes,
                                   l.changes, sum.chunks, sum.bytes, sum.changes));
-  return labels;
+  return sums;
 }
 
 // The frames of a channel other than the labels: first as bytes, however many, then as what the kind of the channel says.
@@ -157,12 +172,13 @@ std::string verify(const GridReader& reader, int threads, const std::function<vo
     reader.report();  // with its JSON
     const auto tell_progress = [&] { progress(static_cast<double>(coverage.bytes()) / static_cast<double>(size)); };
     const LabelsAdder adder(reader.meta());
-    LabelsSum labels;
-    for (const LevelInfo& l : reader.meta().levels()) labels += verify_level(reader, l, threads, adder, coverage, tell_progress);
+    CellSums sums;
+    for (const LevelInfo& l : reader.meta().levels()) sums += verify_level(reader, l, threads, adder, coverage, tell_progress);
     for (const Channel& c : reader.meta().others()) verify_frames(reader, c, known, coverage, tell_progress);
     coverage.expect_whole(size);
     check_content_hash(reader);
-    std::string hash = labels_hash(reader.meta(), labels);
+    check_amounts(reader.meta(), sums);
+    std::string hash = labels_hash(reader.meta(), sums.labels);
     if (const std::string& told = reader.meta().labels_hash; !told.empty() && told != hash)
       throw FormatError(fmt::format("the labels of all cells have the hash {}, the metadata says {} (FORMAT.md 7.11)", hash, told));
     return hash;

@@ -10,7 +10,7 @@
 namespace teracell::inline store {
 namespace {
 
-constexpr std::string_view kMagic = "tcellptA";  // its last character is raised when the layout changes
+constexpr std::string_view kMagic = "tcellptB";  // its last character is raised when the layout changes
 constexpr uint64_t kPartFooter = 64;
 enum Record : uint8_t { kChunk, kPage, kChild, kEnd, kCells, kFrame, kCellsPage };
 constexpr uint64_t kMostBeside = uint64_t{1} << 32;  // bytes of the head, of the records and of what was found

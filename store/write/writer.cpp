@@ -155,7 +155,7 @@ void GridWriter::put_cells_page(size_t channel, uint64_t page, uint64_t size, ui
   if (size != 0) put_frame_entry(channel, size, checksum);
 }
 
-void GridWriter::finish(const std::string& report, uint64_t crossings, std::optional<LabelsSum> labels) {
+void GridWriter::finish(const std::string& report, uint64_t crossings, const CellSums* sums) {
   ContentHash hash;
   const auto append_hashed = [&](const Bytes& frame) {
     hash.add(frame);
@@ -171,7 +171,13 @@ void GridWriter::finish(const std::string& report, uint64_t crossings, std::opti
     if (covers_[i].empty()) throw Error(fmt::format("channel '{}' has no frame", meta_.channels[i].name));
   meta_.levels().clear();
   meta_.crossings = crossings;
-  meta_.labels_hash = labels ? labels_hash(meta_, *labels) : "";
+  meta_.labels_hash = sums ? labels_hash(meta_, sums->labels) : "";
+  meta_.amounts.clear();
+  if (sums && has_room_for_amounts(meta_)) {
+    if (sums->amounts.size() > meta_.labels.size()) throw FormatError("cells of labels that are not there");
+    meta_.amounts = sums->amounts;
+    meta_.amounts.resize(meta_.labels.size());
+  }
   for (Level& l : levels_) {
     l.info.directory = append_hashed(encode_directory(l.directory)).offset;
     meta_.levels().push_back(l.info);

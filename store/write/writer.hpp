@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "store/format/cell_frames.hpp"
-#include "store/format/labels_hash.hpp"
+#include "store/format/cell_sums.hpp"
 #include "store/format/open_pages.hpp"
 #include "store/write/chunk_sink.hpp"
 #include "store/write/grid_bytes.hpp"
@@ -43,8 +43,8 @@ class GridWriter : public ChunkSink {
   void put_frame(size_t channel, std::span<const uint8_t> frame);
   // Writes index, covers, metadata and report, and gives the file its name. When it returns the file is durable.
   // REQUIRES: every chunk of every stored level was put once.
-  // `labels` is the sum of all cells, if it is known.
-  void finish(const std::string& report, uint64_t crossings, std::optional<LabelsSum> labels = std::nullopt);
+  // `sums` are those of all cells; null if they are not known.
+  void finish(const std::string& report, uint64_t crossings, const CellSums* sums = nullptr);
   uint64_t bytes() const override { return bytes_.size(); }
   uint64_t chunks() const override;
   void save(Bytes& state) override;

@@ -39,7 +39,9 @@ class Forger {
       if (lies_.cover) lies_.cover(channel.name, covers[i]);
       meta_.channels.push_back({channel.name, channel.coding, false, {}, append_directory(covers[i]), covers[i].size(), channel.about});
     }
+    const Grid grid = meta_.grid;
     if (lies_.metadata) lies_.metadata(meta_);
+    if (!(meta_.grid == grid) || meta_.amounts.size() != meta_.labels.size()) meta_.amounts.clear();  // which would give such a lie away
     Footer footer;
     const auto text = [&](FilePart part, const Bytes& honest) {
       const Bytes frame = squeezed_again(part, honest);

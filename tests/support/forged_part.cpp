@@ -36,7 +36,7 @@ PartSections take_apart(const Bytes& part) {
 }
 
 Bytes put_together(const PartSections& sections) {
-  const std::string magic = "tcellptA";
+  const std::string magic = "tcellptB";
   Bytes head, footer, out(magic.begin(), magic.end());
   put_framed(head, sections.head);
   put_framed(head, sections.metadata);

@@ -44,6 +44,8 @@ void store_cells(const std::filesystem::path& path, const Metadata& meta, const 
   GridWriter writer(path, meta);
   PyramidWriter pyramid(writer);
   ChunkEncoder encoder;
+  const LabelsAdder adder(meta);
+  CellSums sums;
   const LevelShape shape(meta, 0);
   const RayFrame f = meta.frame();
   const Index3 n = meta.grid.cells();
@@ -65,7 +67,10 @@ void store_cells(const std::filesystem::path& path, const Metadata& meta, const 
       const uint32_t u = cu * kFanOut + i % kFanOut, v = cv * kFanOut + i / kFanOut;
       if (u >= shape.chunks_u || v >= shape.chunks_v) continue;
       const Chunk fine = chunk(u, v);
-      pyramid.put(encode_level(encoder, meta, 0, u, v, fine));
+      const LevelChunk encoded = encode_level(encoder, meta, 0, u, v, fine);
+      pyramid.put(encoded);
+      sums.labels += adder.sum({0, u, v, 0}, fine.rays);
+      for (uint32_t s = 0; s < encoded.segments.size(); ++s) sums.add_amounts(shape, f, {0, u, v, s}, encoded.segments[s].entry);
       between(writer);
       pieces[i] = coarsen(fine, 2);
     }
@@ -85,7 +90,7 @@ void store_cells(const std::filesystem::path& path, const Metadata& meta, const 
   uint32_t width = 1;
   while (width * kFanOut < std::max(shape.chunks_u, shape.chunks_v)) width *= kFanOut;
   visit(visit, 0, 0, width);
-  writer.finish(R"({"schema":1})", 1234);
+  writer.finish(R"({"schema":1})", 1234, &sums);
 }
 
 Bytes stored_cells(const Metadata& meta, const std::vector<Label>& cells) {

@@ -140,7 +140,7 @@ void Conductor::finish() {
   const auto began = std::chrono::steady_clock::now();
   mesher::Pieces& pieces = caster_.pieces();
   report_ = pieces.report(totals_);
-  assembly_->finish(report_.json, totals_.crossings, totals_.labels);
+  assembly_->finish(report_.json, totals_.crossings, totals_.sums);
   complete_ = true;
   pieces.commit_caps();
   mesher::RunReport& run = report_.run;

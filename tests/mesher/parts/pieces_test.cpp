@@ -58,7 +58,7 @@ void assemble(Processes& processes, const std::filesystem::path& output) {
     else totals.add(found);
   }
   for (size_t i = all.size(); i-- > 0;) copy_placed(*first.open(all[i].first), all[i].second, FileRoom(output), [] {});
-  assembly.finish(first.report(totals).json, totals.crossings, totals.labels);
+  assembly.finish(first.report(totals).json, totals.crossings, totals.sums);
   first.remove_files([](uint32_t) { return false; });
 }
 

@@ -25,7 +25,7 @@ TEST_CASE("Only the thread that says so is asked, the innermost first", "[wanted
   CHECK(outer == 1);
 }
 
-TEST_CASE("Workers ask for the thread that they work for, when it says so", "[wanted][threads]") {
+TEST_CASE("Other threads ask for the one that they work for, when it says so; that one asks for itself", "[wanted][threads]") {
   const auto work = [] {
     int next = 0, done = 0;
     in_order(
@@ -33,13 +33,15 @@ TEST_CASE("Workers ask for the thread that they work for, when it says so", "[wa
         [&](int) { ++done; });
     return done;
   };
-  std::atomic<int> asked = 0;
+  const auto caller = std::this_thread::get_id();
+  std::atomic<int> asked = 0, wrong = 0;
   {
-    const Wanted workers([&] { ++asked; }, Wanted::Asked::kByWorkers);
-    const Wanted here(give_up);
+    const Wanted workers([&] { ++asked, wrong += std::this_thread::get_id() == caller; }, Wanted::Asked::kByWorkers);
+    const Wanted here([&] { ++asked, wrong += std::this_thread::get_id() != caller; });
     CHECK(work() == 20);
   }
   CHECK(asked == 20);
+  CHECK(wrong == 0);
   const Wanted workers(give_up, Wanted::Asked::kByWorkers);
   CHECK_THROWS_AS(work(), Unwanted);
 }

@@ -55,11 +55,11 @@ TEST_CASE("A newer minor version and the major one before are read, other ones a
   minor[18] = 0xFF, minor[19] = 0xFF;
   REQUIRE(check_header(signed_again(minor, 24)) == std::pair<uint16_t, uint16_t>(3, 0xFFFF));
   major[16] = 2;
-  REQUIRE(check_header(signed_again(major, 24)) == std::pair<uint16_t, uint16_t>(2, 0));
+  REQUIRE(check_header(signed_again(major, 24)) == std::pair<uint16_t, uint16_t>(2, kFormatMinor));
   major[16] = 4;
-  REQUIRE_THROWS_WITH(check_header(signed_again(major, 24)), Catch::Contains("4.0") && Catch::Contains("newer"));
+  REQUIRE_THROWS_WITH(check_header(signed_again(major, 24)), Catch::Contains("4.1") && Catch::Contains("newer"));
   major[16] = 1;
-  REQUIRE_THROWS_WITH(check_header(signed_again(major, 24)), Catch::Contains("1.0") && Catch::Contains("older"));
+  REQUIRE_THROWS_WITH(check_header(signed_again(major, 24)), Catch::Contains("1.1") && Catch::Contains("older"));
 }
 
 TEST_CASE("Reserved bits of the header are refused one by one") {

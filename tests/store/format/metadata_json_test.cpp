@@ -19,6 +19,9 @@ Metadata some_metadata() {
   meta.ray_axis = 1;
   meta.materials = {{"air", "#00000000", 2}, {"\"steel\"\n", "#8899aa", 0}, {"", "#ffffff", 1}};
   meta.labels = {{0, ""}, {2, "hull"}, {2, "hull", true}, {1, "déck"}, {1, ""}};
+  const Index3 n = meta.grid.cells();
+  const unsigned __int128 all = static_cast<unsigned __int128>(n[0]) * static_cast<uint64_t>(n[1] * n[2]);
+  meta.amounts = {{all - 8, meta.grid.box(0)}, {1, {{7, 1, 2}, {8, 2, 3}}}, {0, {}}, {7, {{0, 0, 10}, {n[0], 3, 17}}}, {0, {}}};
   meta.patches = {{"xmin", "", 0.1}, {"rüssel", "hull", 1.7976931348623157e308}, {"", "hull", 0}};
   meta.chunk_rays = 256;
   meta.chunk_cells = 1u << 31;
@@ -143,6 +146,8 @@ TEST_CASE("Every key of the metadata is needed and no value of another type is t
                            "/materials/0/rank",
                            "/labels",
                            "/labels/0/material",
+                           "/labels/1/cells",
+                           "/labels/1/box",
                            "/patches/1/name",
                            "/patches/1/area",
                            "/chunk",
@@ -194,6 +199,12 @@ TEST_CASE("Numbers of the metadata that lie are refused") {
   refused("/axes/1/planes", {0});
   refused("/ray_axis", "w");
   refused("/ray_axis", "");
+  for (const char* cells : {"", "0", "2", "01", "-1", "1.0", "1e0", " 1", "10000000000000000000000000000", "18446744073709551617"})
+    refused("/labels/1/cells", cells);
+  for (const ordered_json& box :
+       {ordered_json{8, 1, 2, 8, 2, 3}, ordered_json{7, 1, 2, 8, 2, 18}, ordered_json{7, 1, 2, 8, 2}, ordered_json{7, 1, -2, 8, 2, 3}})
+    refused("/labels/1/box", box);
+  refused("/labels/3/box", {0, 0, 10, 1, 1, 16});  // too small for its cells
   refused("/materials/0/rank", 0);  // equal to another
   refused("/materials/1/rank", 1);
   refused("/materials/1/rank", 3);  // above the background's

@@ -39,7 +39,8 @@ TEST_CASE("Of a file are told its grid, materials, levels, chunks and report") {
   REQUIRE(j["levels"][1] == ordered_json{{"level", 1}, {"cells", {5, 1, 2}}, {"stored", false}, {"chunks", 0}, {"bytes", 0}, {"changes", 0}});
   REQUIRE((bytes > 0 && bytes < reader.file_bytes()));
   REQUIRE(j["chunk"] == ordered_json{{"rays", 4}, {"cells", 4}});
-  REQUIRE(j["file"] == ordered_json{{"bytes", reader.file_bytes()}, {"version", "3.0"}, {"hash", reader.hash()}});
+  REQUIRE(j["file"] ==
+          ordered_json{{"bytes", reader.file_bytes()}, {"version", "3.1"}, {"hash", reader.hash()}, {"labels_hash", reader.meta().labels_hash}});
   REQUIRE(j["crossings"] == 1234);
   REQUIRE(j["bits_per_crossing"] == 8 * j["levels"][0]["bytes"].get<double>() / 1234);
   REQUIRE(j["report"] == ordered_json{{"schema", 1}});

@@ -28,6 +28,7 @@ TEST_CASE("A packed file is sound and has the same cells, report and statistics"
     for (size_t i = 0; i < a.size(); ++i) REQUIRE((a[i].cells == b[i].cells && a[i].volume == b[i].volume));
     REQUIRE(packed(after) == after);
     REQUIRE(packed(file, {.threads = 3}) == after);
+    if (old.meta().others().empty()) REQUIRE(packed(without_amounts(file)) == after);
     const Bytes smaller = packed(file, {.with_level_1 = false});
     verify_quietly(reader_of(smaller));
     REQUIRE(packed(after, {.with_level_1 = false}) == smaller);
@@ -35,6 +36,14 @@ TEST_CASE("A packed file is sound and has the same cells, report and statistics"
     REQUIRE(now.stored(1) == (old.meta().grid.levels() > 1));
     REQUIRE_FALSE(reader_of(smaller).stored(1));
   }
+}
+
+TEST_CASE("Statistics that do not add up to the cells of the grid are not packed into sums") {
+  const Bytes lie = forge(chunked_file(), {.page = [](int, std::vector<ChunkEntry>& entries) {
+                            for (ChunkEntry& e : entries)
+                              for (LabelStats& s : e.stats) s.hi[2] += 1000;
+                          }});
+  REQUIRE_THROWS_WITH(packed(without_amounts(lie)), Catch::Contains("don't add up to the cells of the grid"));
 }
 
 TEST_CASE("The hash of the cells is another one for other cells, names and coordinates, and stays when channels come") {

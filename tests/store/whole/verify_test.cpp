@@ -166,6 +166,13 @@ TEST_CASE("Sums, statistics, coarse sets and hashes that lie are found by verify
                                              ++(which == 0 ? m.levels()[0].chunks : which == 1 ? m.levels()[1].bytes : m.levels()[0].changes);
                                            }}),
                           "the metadata counts");
+  for (const bool cells : {true, false})
+    expect_verify_refuses(forge(file, {.metadata =
+                                           [&](Metadata& m) {
+                                             if (cells) --m.amounts[0].cells, ++m.amounts[1].cells;
+                                             else m.amounts[1].box = m.grid.box(0);
+                                           }}),
+                          cells ? "label 0: the metadata says" : "label 1: the metadata says");
   expect_verify_refuses(forge(file, {.page =
                                          [](int level, std::vector<ChunkEntry>& entries) {
                                            for (ChunkEntry& e : entries)
