@@ -15,7 +15,8 @@ void CellSums::add_amounts(const LevelShape& shape, const RayFrame& frame, const
   const auto in_grid = [&](uint32_t u, uint32_t v, uint32_t w) { return Index3{first[0] + u, first[1] + v, first[2] + w}; };
   if (entry.size == 0) {
     const uint32_t nu = shape.rays_u(key.cu), nv = shape.rays_v(key.cv), length = shape.length(key.segment);
-    add(amounts, entry.uniform[0], uint64_t{nu} * nv * length, frame.box(first, in_grid(nu, nv, length)));
+    const uint64_t cells = uint64_t{nu} * nv * length;
+    add(amounts, entry.uniform[0], cells, frame.box(first, in_grid(nu, nv, length)));
   } else {
     for (const LabelStats& s : entry.stats)
       add(amounts, s.label, s.cells, frame.box(in_grid(s.lo[0], s.lo[1], s.lo[2]), in_grid(s.hi[0], s.hi[1], s.hi[2])));

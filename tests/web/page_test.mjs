@@ -247,7 +247,8 @@ test("when the server goes away, the page says so, keeps what is on screen, and 
   await banner.waitFor();
   const overview = page.getByText("What is seen could not be loaded");
   await overview.waitFor();
-  await page.getByText(/^slice \d+ is shown$/).waitFor();
+  const older = page.getByText(/^slice \d+ is shown$/);
+  await older.waitFor();
   await screenshot(page, "server-lost");
   const during = shares((await pixels(page, "z")).data);
   for (const [pixel, share] of before) if (share > 0.02) assert.ok((during.get(pixel) ?? 0) > share / 2, "the picture disappeared");
@@ -255,6 +256,7 @@ test("when the server goes away, the page says so, keeps what is on screen, and 
   mortal = await serve(grid_file("stadium"), "--port", mortal.port);
   await banner.waitFor({ state: "hidden" });
   await overview.waitFor({ state: "hidden" });
+  await older.waitFor({ state: "hidden" });
   await settled(page);
   assert.deepEqual(await state(page, "cell"), cell);
   // A page that never lost the server sees the same slice.

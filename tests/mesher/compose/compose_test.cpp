@@ -242,17 +242,19 @@ TEST_CASE("Cells, what bodies own and cover, and where they overlap, are those o
     }
     std::ranges::shuffle(bodies.rank, random);
     Composer composer = bodies.composer();
-    for (int tile = 0; tile < 4; ++tile) {  // of a composer that has made others
+    std::vector<uint64_t> before;           // a ray of this tile or of one before, whose course is known
+    for (int tile = 0; tile < 6; ++tile) {  // of a composer that has made others
       const auto length = static_cast<uint32_t>(random_int(random, 1, 30));
       const bool pairs = tile % 2 == 1;  // nearly all rays go into and out of one body, as they mostly do, and many are composed at once
       const uint32_t nu = pairs ? 41 : 5, nv = 3;
       const Box tile_cells{{100, 200, 0}, {100 + nu, 203, length}};
       Rays rays;
       while (rays.size() < nu * nv) {
-        const bool again = !pairs && !rays.empty() && rays.back().size() < length && random_int(random, 0, 2) > 0;
+        const bool again = !pairs && before.size() < length && random_int(random, 0, 2) > 0;
         rays.push_back(pairs && random_int(random, 0, 30) > 0 ? pair_of(random, length)
-                       : again                                ? like(random, rays.back(), length)
+                       : again                                ? like(random, before, length)
                                                               : random_ray(random, bodies, length));
+        if (!pairs) before = rays.back();
       }
       Crossings crossings = as_tile(rays);
       RayBlock out;
