@@ -1,5 +1,5 @@
-// How much of the grid everything fills, which the lists and the glass of the overview share. It comes from the index of a file, so
-// it is cheap, unless axes are graded.
+// How much of the grid everything fills, which the lists and the glass of the overview share. A file tells it; an older one, or one with
+// graded axes, has it counted from its index.
 import type { Stats } from "../base/grid";
 import { type Answer, use_answer } from "../server/answer";
 import { get_json } from "../server/api";
