@@ -93,17 +93,17 @@ uint32_t take_pairs(const uint64_t* c, uint32_t rays, uint32_t layer, uint32_t l
 bool can_be_learnt(std::span<const uint64_t> sorted, uint32_t length) {
   uint64_t marks = 0;
   for (const uint64_t c : sorted) marks |= c & Crossing::kMark;
-  return !sorted.empty() && marks == 0 && Crossing::cell(sorted.front()) > 0 && Crossing::cell(sorted.back()) < length;
+  return !sorted.empty() && marks == 0 && Crossing::cell(sorted.back()) <= length;
 }
 
 // Where the course of a ray is kept: by the order of its crossings.
-size_t course_of(std::span<const uint64_t> sorted) {
+size_t place_of(std::span<const uint64_t> sorted) {
   uint32_t hash = 0, factor = 1;  // no product waits for the one before
   for (const uint64_t c : sorted) hash += static_cast<uint32_t>(c) * factor, factor += 0x9E3779B2;
   return hash * 0x85EBCA6Bu >> (32 - Composer::kCourseBits);
 }
 
-// A crossing without its cell, and whether that is the cell of the crossing before it.
+// A crossing without its cell, but with whether that is the cell of the crossing before it.
 uint64_t without_cell(uint64_t crossing, uint32_t cell_before) {
   return uint64_t{Crossing::cell(crossing) == cell_before} << 32 | static_cast<uint32_t>(crossing);
 }
@@ -140,13 +140,19 @@ inline void Composer::enter(const Inside& body) {
   else inside_.insert(place_inside(body.rank), body);
 }
 
+Bytes Composer::take_overlaps(const Box& cells) {
+  for (Course* course : of_tile_) add_overlaps(*course);
+  of_tile_.clear();
+  return overlaps_.take(cells);
+}
+
 inline void Composer::leave(uint32_t rank, uint32_t cell) {
   const auto place = inside_.back().rank == rank ? inside_.end() - 1 : place_inside(rank);
   const Inside body = *place;
   inside_.erase(place);
   if (inside_.empty()) return;
-  overlaps_.leave(ray_, body, cell, inside_, owner_);
-  if (learning_) learn_leaving(body);
+  overlaps_.leave(body, cell, inside_, owner_, [&](uint32_t from) { return overlaps_.stretch(ray_, from, cell); });
+  if (learning_ && body.from < cell) learn_leaving(body);
 }
 
 // `cell` is the crossing's cell, or the length of the ray if that is less.
@@ -167,7 +173,7 @@ void Composer::step(uint64_t crossing, uint32_t cell) {
     if (body.layers == is) {  // otherwise another layer of the body decides
       body.within += is ? -int64_t{cell} : int64_t{cell};
       if (learning_) learning_->turns[crossing_] = {layer.body, is ? 1 : -1};
-      if (is) enter({body.rank, layer.body, body.marks > 0 ? kNowhere : cell});
+      if (is) enter({body.rank, layer.body, body.marks > 0 ? kNowhere : cell, first_of_cell_});
       else leave(body.rank, cell);
     }
   }
@@ -307,23 +313,33 @@ inline Label Composer::label_here() const {
 }
 
 size_t Composer::compose_any(std::span<const uint64_t> all, uint32_t length, uint32_t*& at, uint32_t& pattern, PatternTable& patterns) {
-  Course& course = courses_[course_of(all)];
-  if (compose_again(course, all, length, at, pattern, patterns)) return 0;
+  // Four of five rays take the same course as the one before.
+  bool known = latest_->takes(all, length);
+  if (!known) {
+    latest_ = &courses_[place_of(all)];
+    known = latest_->takes(all, length);
+  }
+  if (known) {
+    compose_again(*latest_, all, length, at, pattern, patterns);
+    return 0;
+  }
+  Course& course = *latest_;
   learning_ = nullptr;
   if (can_be_learnt(all, length)) {
     add_cells(course);
+    add_overlaps(course);
     learning_ = &course;
-    learnt_from_ = all;
     course.known = false;
-    course.changes.clear(), course.leaving.clear(), course.others.clear(), course.shared.clear();
-    course.crossings.resize(all.size());
-    for (size_t i = 0; i < all.size(); ++i) course.crossings[i] = without_cell(all[i], i == 0 ? 0 : Crossing::cell(all[i - 1]));
+    course.changes.clear(), course.leaving.clear(), course.others.clear(), course.stretches.clear(), course.shared.clear();
+    course.order.resize(all.size());
+    for (size_t i = 0; i < all.size(); ++i) course.order[i] = without_cell(all[i], i == 0 ? 0 : Crossing::cell(all[i - 1]));
+    course.reaches_end = Crossing::cell(all.back()) == length;
     course.owners.assign(all.size(), kNowhere);
     course.turns.assign(all.size(), {kNowhere, 0});
     course.cells.assign(all.size(), 0);
   }
   sets_.assign(1, 0);
-  owner_ = {kNowhere, 0};
+  owner_ = {kNowhere, 0}, owner_crossing_ = 0;
   uint32_t since = 0;
   for (size_t i = 0; i < all.size();) {
     const uint32_t cell = Crossing::cell(all[i]), until = std::min(cell, length);
@@ -331,8 +347,9 @@ size_t Composer::compose_any(std::span<const uint64_t> all, uint32_t length, uin
       bodies_[inside_.back().body].owned += until - since;
       if (learning_) learning_->owners[i] = inside_.back().body;
     }
-    since = until;
     const size_t begin = i;
+    if (until > since || i == 0) first_of_cell_ = static_cast<uint32_t>(i);
+    since = until;
     for (; i < all.size() && Crossing::cell(all[i]) == cell; ++i) {
       crossing_ = static_cast<uint32_t>(i);
       step(all[i], until);
@@ -342,7 +359,7 @@ size_t Composer::compose_any(std::span<const uint64_t> all, uint32_t length, uin
       if (learning_) learning_->shared.push_back({static_cast<uint32_t>(begin), static_cast<uint32_t>(i)});
     }
     if (cell >= length) continue;
-    if (inside_.size() > 1 && inside_.back().rank != owner_.rank) owner_ = {inside_.back().rank, cell};
+    if (inside_.size() > 1 && inside_.back().rank != owner_.rank) owner_ = {inside_.back().rank, cell}, owner_crossing_ = first_of_cell_;
     const Label label = label_here();
     if (cell == 0) {
       sets_[0] = label;
@@ -356,6 +373,7 @@ size_t Composer::compose_any(std::span<const uint64_t> all, uint32_t length, uin
   if (learning_ && open_ == 0) {
     course.known = true;
     course.tile = tile_;
+    of_tile_.push_back(&course);
     course.pattern = pattern;
     course.sets = sets_;
   }
@@ -363,30 +381,32 @@ size_t Composer::compose_any(std::span<const uint64_t> all, uint32_t length, uin
   return open_;
 }
 
-bool Composer::compose_again(Course& course, std::span<const uint64_t> all, uint32_t length, uint32_t*& at, uint32_t& pattern,
-                             PatternTable& patterns) {
-  if (!course.known || course.crossings.size() != all.size()) return false;
+bool Composer::Course::takes(std::span<const uint64_t> sorted, uint32_t length) const {
+  if (!known || order.size() != sorted.size()) return false;
+  const uint32_t last = Crossing::cell(sorted.back());
+  if (last > length || reaches_end != (last == length)) return false;
   uint64_t differences = 0;
   uint32_t before = 0;
-  for (size_t i = 0; i < all.size(); ++i) {
-    differences |= without_cell(all[i], before) ^ course.crossings[i];
-    before = Crossing::cell(all[i]);
+  for (size_t i = 0; i < sorted.size(); ++i) {
+    differences |= without_cell(sorted[i], before) ^ order[i];
+    before = Crossing::cell(sorted[i]);
   }
-  if (differences != 0 || before >= length) return false;
+  return differences == 0;
+}
+
+void Composer::compose_again(Course& course, std::span<const uint64_t> all, uint32_t length, uint32_t*& at, uint32_t& pattern,
+                             PatternTable& patterns) {
   for (size_t i = 0; i < all.size(); ++i) course.cells[i] += Crossing::cell(all[i]);
   for (const uint32_t change : course.changes) *at++ = Crossing::cell(all[change]);
   for (const Course::Shared& s : course.shared) note_pairs(all.subspan(s.from, s.to - s.from), length);
-  const auto cell_of = [&](uint32_t crossing) { return Crossing::cell(all[crossing]); };
-  for (const Course::Leaving& l : course.leaving) {
-    others_.clear();
-    for (const Inside& other : std::span(course.others).subspan(l.first_other, l.end_other - l.first_other))
-      others_.push_back({other.rank, other.body, cell_of(other.from)});
-    overlaps_.leave(ray_, {l.body.rank, l.body.body, cell_of(l.body.from)}, cell_of(l.to), others_, {l.owner.rank, cell_of(l.owner.since)});
+  for (Course::Stretch& s : course.stretches) s.of_rays.add(overlaps_.stretch(ray_, Crossing::cell(all[s.from]), Crossing::cell(all[s.to])));
+  if (course.tile != tile_) {
+    course.pattern = patterns.intern(course.sets);
+    course.tile = tile_;
+    of_tile_.push_back(&course);
   }
-  if (course.tile != tile_) course.pattern = patterns.intern(course.sets), course.tile = tile_;
   pattern = course.pattern;
   course.taken = true;
-  return true;
 }
 
 // Of the rays that took the course again.
@@ -401,18 +421,31 @@ void Composer::add_cells(Course& course) {
   std::ranges::fill(course.cells, 0);
 }
 
+// The same.
+void Composer::add_overlaps(Course& course) {
+  for (const Course::Leaving& l : course.leaving) {
+    const std::span<const Inside> others(course.others.begin() + l.first_other, course.others.begin() + l.end_other);
+    const std::span<const Course::Stretch> stretches(course.stretches.begin() + l.first_stretch, course.stretches.begin() + l.end_stretch);
+    if (stretches.empty() || stretches[0].of_rays.cells == 0) continue;
+    overlaps_.leave(l.body, l.to, others, l.owner,
+                    [&](uint32_t from) { return std::ranges::find(stretches, from, &Course::Stretch::from)->of_rays; });
+  }
+  for (Course::Stretch& s : course.stretches) s.of_rays = {};
+}
+
 // The body that the ray leaves at this crossing, and those that it stays inside of.
 void Composer::learn_leaving(const Inside& body) {
-  const auto crossing_of = [&](uint32_t cell) {
-    return static_cast<uint32_t>(std::ranges::lower_bound(learnt_from_, cell, {}, Crossing::cell) - learnt_from_.begin());
-  };
-  Course::Leaving& l = learning_->leaving.emplace_back();
-  l.body = {body.rank, body.body, crossing_of(body.from)};
-  l.to = crossing_;
-  l.first_other = static_cast<uint32_t>(learning_->others.size());
-  for (const Inside& other : inside_) learning_->others.push_back({other.rank, other.body, crossing_of(other.from)});
-  l.end_other = static_cast<uint32_t>(learning_->others.size());
-  l.owner = {owner_.rank, crossing_of(owner_.since)};
+  Course& course = *learning_;
+  Course::Leaving l{{body.rank, body.body, body.crossing}, first_of_cell_, course.others.size(), 0, course.stretches.size(), 0,
+                    {owner_.rank, owner_crossing_}};
+  for (const Inside& other : inside_) {
+    course.others.push_back({other.rank, other.body, other.crossing});
+    const uint32_t from = std::max(body.crossing, other.crossing);
+    const std::span<const Course::Stretch> known(course.stretches.begin() + l.first_stretch, course.stretches.end());
+    if (from < l.to && std::ranges::find(known, from, &Course::Stretch::from) == known.end()) course.stretches.push_back({from, l.to, {}});
+  }
+  l.end_other = course.others.size(), l.end_stretch = course.stretches.size();
+  course.leaving.push_back(l);
 }
 
 }  // namespace teracell::mesher

@@ -46,7 +46,7 @@ class Composer {
   std::vector<BodyCells> take_cells();
   // Of the tile that was composed last, packed; empty if no bodies overlap in it. `cells` are those of the tile. REQUIRES: it is called for
   // every tile.
-  Bytes take_overlaps(const Box& cells) { return overlaps_.take(cells); }
+  Bytes take_overlaps(const Box& cells);
 
   static constexpr int kCourseBits = 8;
 
@@ -70,28 +70,37 @@ class Composer {
       uint32_t body;
       int way;
     };
-    struct Leaving {  // of an overlap; `from`, `to` and `since` are crossings
+    // All of a body that the ray leaves while it is in others. `from`, `to` and `since` are crossings, each the first one of its cell.
+    struct Leaving {
       Inside body;
       uint32_t to;
-      uint32_t first_other, end_other;
+      size_t first_other, end_other, first_stretch, end_stretch;
       Owner owner;
+    };
+    struct Stretch {  // that bodies have in common
+      uint32_t from, to;
+      TileOverlaps::Stretches of_rays;  // that took the course again, since they were handed on
     };
     struct Shared {  // the crossings [from, to) lie in one cell
       uint32_t from, to;
     };
     bool known = false;
     bool taken = false;               // since its cells were added up
-    uint64_t tile = 0;                // that the pattern is of
+    uint64_t tile = 0;                // that the pattern and the stretches are of
     uint32_t pattern = 0;
     std::vector<SetId> sets;          // of the pattern
-    std::vector<uint64_t> crossings;  // without their cells, but with whether it is that of the one before
+    std::vector<uint64_t> order;      // crossings without their cells, but with whether it is that of the one before
+    bool reaches_end = false;         // the last cell is beyond the ray
     std::vector<uint32_t> changes;    // the crossings that are
     std::vector<uint32_t> owners;     // by crossing: the body that owns the cells since the crossing before, if any
     std::vector<Turn> turns;          // by crossing
     std::vector<Leaving> leaving;
-    std::vector<Inside> others;       // of all overlaps
+    std::vector<Inside> others;       // of all leavings
+    std::vector<Stretch> stretches;   // of all leavings
     std::vector<Shared> shared;
     std::vector<uint64_t> cells;      // by crossing: the sum over the rays that took it again, since it was added up
+
+    bool takes(std::span<const uint64_t> sorted, uint32_t length) const;
   };
   // The rays [from, to) have as many crossings each. Writes their changes at `at`.
   void compose_alike(Crossings& crossings, uint32_t from, uint32_t to, uint32_t length, uint32_t*& at, RayBlock& out);
@@ -101,9 +110,10 @@ class Composer {
   // Both write the changes of a ray at `at`, set its pattern, and return how many layers are still open at its end.
   size_t compose_one_layer(std::span<const uint64_t> all, uint32_t length, uint32_t*& at, uint32_t& pattern, PatternTable& patterns);
   size_t compose_any(std::span<const uint64_t> all, uint32_t length, uint32_t*& at, uint32_t& pattern, PatternTable& patterns);
-  // Whether the ray takes this course. If so, does what compose_any() does.
-  bool compose_again(Course& course, std::span<const uint64_t> all, uint32_t length, uint32_t*& at, uint32_t& pattern, PatternTable& patterns);
+  // The same for a ray that takes this course.
+  void compose_again(Course& course, std::span<const uint64_t> all, uint32_t length, uint32_t*& at, uint32_t& pattern, PatternTable& patterns);
   void add_cells(Course& course);
+  void add_overlaps(Course& course);
   void learn_leaving(const Inside& body);
   void step(uint64_t crossing, uint32_t cell);
   void enter(const Inside& body);
@@ -133,10 +143,12 @@ class Composer {
   std::vector<std::vector<Alternating>> alternating_;  // [begins inside][number of changes]
   std::vector<Course> courses_ = std::vector<Course>(size_t{1} << kCourseBits);  // by their hashes; the latest ones
   uint64_t tile_ = 0;                     // the number of the tile that is being composed
-  Course* learning_ = nullptr;            // that of the ray that is being composed, whose crossings these are; null if it has none
-  std::span<const uint64_t> learnt_from_;
+  std::vector<Course*> of_tile_;          // that rays of the tile took, or made
+  Course* latest_ = courses_.data();      // that a ray took, or made
+  Course* learning_ = nullptr;            // that of the ray that is being composed; null if it has none
   uint32_t crossing_ = 0;                 // the one that is being stepped
-  std::vector<Inside> others_;            // scratch
+  uint32_t first_of_cell_ = 0;            // of its cell, the first crossing
+  uint32_t owner_crossing_ = 0;           // since which owner_ is the owner: the first one of the cell
 };
 
 }  // namespace teracell::mesher

@@ -1,37 +1,12 @@
 #include "mesher/overlaps/tile_overlaps.hpp"
 
-#include <algorithm>
-
 namespace teracell::mesher {
-namespace {
-
-constexpr uint32_t kNobody = ~uint32_t{0};
-
-// The rank of the body that owns the whole stretch which begins at `from` and ends where `owner` is the owner.
-uint32_t sole_owner(const Owner& owner, uint32_t from) { return owner.since <= from ? owner.rank : kNobody; }
-
-}  // namespace
-
 TileOverlaps::TileOverlaps(size_t bodies, int ray_axis) : frame_(RayFrame::along(ray_axis)), left_(bodies) {
   int at = 0;
   for (int d = 0; d < 3; ++d) {
     shift_[d] = at;
     at += d == frame_.w ? 32 : 8;
   }
-}
-
-void TileOverlaps::Stretches::add(const Stretches& other) {
-  cells += other.cells;
-  first = std::min(first, other.first);
-  from = std::min(from, other.from), to = std::max(to, other.to);
-  u0 = std::min(u0, other.u0), u1 = std::max(u1, other.u1);
-  v0 = std::min(v0, other.v0), v1 = std::max(v1, other.v1);
-}
-
-TileOverlaps::Stretches TileOverlaps::stretch(uint32_t u, uint32_t v, uint32_t from, uint32_t to) const {
-  const uint64_t key = uint64_t{from} << shift_[frame_.w] | uint64_t{u} << shift_[frame_.u] | uint64_t{v} << shift_[frame_.v];
-  const auto u8 = static_cast<uint8_t>(u), v8 = static_cast<uint8_t>(v);
-  return {to - from, key, from, to, u8, u8, v8, v8};
 }
 
 // The entry of `other`. Others are asked for by descending rank; `next` is 0 at first.
@@ -42,36 +17,6 @@ TileOverlaps::Common& TileOverlaps::common(std::vector<Common>& list, size_t& ne
     next = static_cast<size_t>(place - list.begin());
   }
   return list[next++];
-}
-
-void TileOverlaps::leave(uint32_t ray, const Inside& body, uint32_t to, std::span<const Inside> others, const Owner& owner) {
-  if (body.from >= to) return;
-  const uint32_t u = ray % nu_, v = ray / nu_;
-  Left& left = left_[body.body];
-  const bool is_new = left.list.empty() && left.group.empty();
-  size_t next = 0, before = 0;
-  bool same = true;
-  for (const Inside& other : others) {
-    if (other.from <= body.from) {
-      same = same && before < left.group.size() && left.group[before].rank == other.rank;
-      ++before;
-    } else if (other.from < to) {
-      Common& c = common(left.list, next, other);
-      c.stretches.add(stretch(u, v, other.from, to));
-      c.third |= sole_owner(owner, other.from) != std::min(body.rank, other.rank);
-    }
-  }
-  if (before > 0) {
-    const uint32_t sole = sole_owner(owner, body.from);
-    if (!same || before != left.group.size()) {
-      list_group(body.rank, left);
-      std::ranges::copy_if(others, std::back_inserter(left.group), [&](const Inside& other) { return other.from <= body.from; });
-      left.owner = sole;
-    }
-    left.of_group.add(stretch(u, v, body.from, to));
-    if (left.owner != sole) left.owner = kNobody;
-  }
-  if (is_new && !(left.list.empty() && left.group.empty())) met_.push_back(body);
 }
 
 void TileOverlaps::list_group(uint32_t rank, Left& left) {
