@@ -104,6 +104,7 @@ void SurfaceCounter::add(const Facet& facet, bool at_home) {
   Waiting& last = waiting_[added_++ % kWaiting];
   last = {vertex_hashes(facet), at_home};
   for (const VertexHash& hash : last.vertices) numbers_.prefetch(hash);
+  for (const VertexHash& hash : waiting_[(added_ + kWaiting / 2) % kWaiting].vertices) numbers_.prefetch_known(hash);
   if (at_home) degenerate_ += has_no_area(facet);
 }
 

@@ -20,9 +20,13 @@ class VertexNumbers {
  public:
   uint32_t operator()(const Vec3& vertex) { return (*this)(vertex_hash(vertex)); }
   uint32_t operator()(const VertexHash& hash);
-  // A call for that hash comes soon.
+  // A call for that hash comes soon: its place in the table is asked for, and some time later what the place leads to.
   void prefetch(const VertexHash& hash) const {
     if (!table_.empty()) __builtin_prefetch(&table_[hash.low & (table_.size() - 1)]);
+  }
+  void prefetch_known(const VertexHash& hash) const {
+    if (table_.empty()) return;
+    if (const uint32_t place = table_[hash.low & (table_.size() - 1)]; place != 0) __builtin_prefetch(&hashes_[place - 1]);
   }
   // REQUIRES: a vertex with that hash has a number.
   uint32_t find(const VertexHash& hash) const;
@@ -92,7 +96,7 @@ class SurfaceCounter {
     std::array<VertexHash, 3> vertices;
     bool at_home;
   };
-  static constexpr size_t kWaiting = 8;
+  static constexpr size_t kWaiting = 8;  // a power of two
   void take(const Waiting& facet);
   void take_waiting();
 

@@ -113,30 +113,20 @@ std::unique_ptr<FacetBins> TiledFacets::fill_bins(const TreeRange& range, bool a
   const uint64_t all = bodies_.facet_count();
   auto bins = std::make_unique<FacetBins>(meta_, all, all - repeated, bodies_.float32() && !walls, budget_, threads_ > 1, move, widened_, range,
                                           patches_ != nullptr);
-  struct Stretch {  // of facets that are alike
-    size_t facets;
-    uint32_t layer;
-    FacetBins::Origin origin;
-    uint32_t patch;
-  };
-  constexpr size_t kBatch = 4096;
-  JobLists<Facet> lists;
-  std::shared_ptr<std::vector<Facet>> batch = lists.next();
-  std::vector<Stretch> stretches;  // of the batch
+  constexpr size_t kBatch = size_t{1} << 18;
+  JobLists<uint8_t> lists;
+  std::shared_ptr<std::vector<uint8_t>> batch = lists.next();  // of facets that are ready
   Background background(threads_ > 1);
   const auto hand_on = [&] {
-    if (stretches.empty()) return;
-    background.run([&bins, batch, stretches = std::exchange(stretches, {})] {
-      const Facet* f = batch->data();
-      for (const Stretch& s : stretches)
-        for (size_t i = 0; i < s.facets; ++i) bins->add(*f++, s.layer, s.origin, s.patch);
-    });
+    if (batch->empty()) return;
+    background.run([&bins, batch] { bins->add(*batch); });
     batch = lists.next();
   };
   const auto add = [&](std::span<const Facet> facets, uint32_t layer, FacetBins::Origin origin, uint32_t patch) {
-    if (!batch->empty() && batch->size() + facets.size() > kBatch) hand_on();
-    batch->insert(batch->end(), facets.begin(), facets.end());
-    stretches.push_back({facets.size(), layer, origin, patch});
+    for (const Facet& f : facets) {
+      bins->make_ready(f, layer, origin, patch, *batch);
+      if (batch->size() >= kBatch) hand_on();
+    }
   };
   SharedTrees trees(budget_.bytes / 4);
   uint64_t done = 0;

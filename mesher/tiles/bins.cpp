@@ -87,17 +87,27 @@ void FacetBins::open_children(Bin& bin) const {
 }
 
 FacetBins::GroupRange FacetBins::groups_of(const RayRange& r) const {
-  const auto group = static_cast<uint32_t>(rays_.size(0));
   const uint32_t u = rays_.shape.nu - 1, v = rays_.shape.nv - 1;
-  return {std::min(r.u0, u) / group, std::min(r.u1, u) / group, std::min(r.v0, v) / group, std::min(r.v1, v) / group};
+  const Side& group = rays_.group;
+  return {group.of(std::min(r.u0, u)), group.of(std::min(r.u1, u)), group.of(std::min(r.v0, v)), group.of(std::min(r.v1, v))};
 }
 
-void FacetBins::add(const Facet& facet, uint32_t layer, Origin origin, uint32_t patch) {
+void FacetBins::make_ready(const Facet& facet, uint32_t layer, Origin origin, uint32_t patch, std::vector<uint8_t>& out) const {
   const uint32_t tag = layer | (origin == kOfFile ? 0 : kNotOfFile) | (origin == kPlaced ? kInPlace : 0);
-  std::array<uint8_t, 9 * sizeof(double) + 2 * sizeof(uint32_t)> record;
-  encode(facet, tag, patch, {record.data(), record_bytes_});
   Facet room;
-  put(root_, groups_of(rays_.range_of(placed(facet, tag, room), layer_in(tag))), {record.data(), record_bytes_});
+  const GroupRange groups = groups_of(rays_.range_of(placed(facet, tag, room), layer_in(tag)));
+  const size_t at = out.size();
+  out.resize(at + sizeof groups + record_bytes_);
+  std::memcpy(out.data() + at, &groups, sizeof groups);
+  encode(facet, tag, patch, {out.data() + at + sizeof groups, record_bytes_});
+}
+
+void FacetBins::add(std::span<const uint8_t> ready) {
+  GroupRange groups;
+  for (; !ready.empty(); ready = ready.subspan(sizeof groups + record_bytes_)) {
+    std::memcpy(&groups, ready.data(), sizeof groups);
+    put(root_, groups, ready.subspan(sizeof groups, record_bytes_));
+  }
 }
 
 void FacetBins::add(BinnedPart part) {

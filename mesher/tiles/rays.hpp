@@ -1,6 +1,7 @@
 // Finds the rays of a grid by coordinate, and as a tree in which a node has 4 x 4 children (tiling.hpp).
 #pragma once
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <vector>
 
@@ -57,11 +58,24 @@ struct TreePlace {
   TreePlace child(uint32_t k) const { return {depth - 1, cu * kFanOut + k % kFanOut, cv * kFanOut + k / kFanOut}; }
 };
 
+// Divides by the side of chunks or groups, which is mostly a power of two.
+class Side {
+ public:
+  explicit Side(uint32_t rays) : rays_(rays), shift_(std::has_single_bit(rays) ? std::countr_zero(rays) : kNone) {}
+  uint32_t of(uint32_t ray) const { return shift_ == kNone ? ray / rays_ : ray >> shift_; }
+
+ private:
+  static constexpr int kNone = -1;
+  uint32_t rays_;
+  int shift_;
+};
+
 struct GridRays {
   RayFrame frame;
   const Axis& w;
   RayBounds u, v;
   LevelShape shape;
+  Side chunk, group;
   std::vector<uint8_t> widened;  // for each body; empty if it is 0 for all
 
   // Keeps references to the axes. Facets of a body reach as many rays further on each side as `widened` says, because they may
@@ -72,6 +86,8 @@ struct GridRays {
         u(meta.grid.axis[frame.u]),
         v(meta.grid.axis[frame.v]),
         shape(meta, 0),
+        chunk(shape.chunk_rays),
+        group(kFanOut * shape.chunk_rays),
         widened(std::move(widened_bodies)) {}
 
   RayRange range_of(const Facet& facet, uint32_t layer) const {
@@ -86,8 +102,7 @@ struct GridRays {
   }
   // REQUIRES: !range.empty().
   ChunkRange chunks_of(const RayRange& r) const {
-    const uint32_t size = shape.chunk_rays;
-    return {r.u0 / size, (r.u1 - 1) / size, r.v0 / size, (r.v1 - 1) / size};
+    return {chunk.of(r.u0), chunk.of(r.u1 - 1), chunk.of(r.v0), chunk.of(r.v1 - 1)};
   }
   // The side of a node of that depth, in rays.
   uint64_t size(int depth) const { return uint64_t{kFanOut} * shape.chunk_rays << (kFanOutBits * depth); }

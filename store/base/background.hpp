@@ -41,29 +41,65 @@ class Background {
     wait([&] { return jobs_.size() < kMostWaiting; }, [&] { jobs_.push_back(std::move(job)); });
     changed_.notify_all();
   }
-  // Hands over a job that nothing waits for yet: it begins when no job of run() is left. (On a thread of its own, such
-  // work slowed reading down where there are only two cores.)
+  // Hands over a job that nothing waits for yet: it begins when no job of run() is left, or on the thread that waits for these in
+  // finish(). (On a thread of its own, such work slowed reading down where there are only two cores.)
   void run_later(Job job) {
     if (!thread_.joinable()) return job();
     wait([] { return true; }, [&] { later_.push_back(std::move(job)); });
     changed_.notify_all();
   }
-  // Waits until every job of run() is done.
+  // Waits until every job of run() is done, and does jobs of run_later() meanwhile.
   void finish() {
-    wait([&] { return jobs_.empty() && busy_ != kRun; }, [] {});
+    for (bool done = false; !done;) {
+      Job job;
+      wait([&] { return is_finished() || may_begin_later(); },
+           [&] {
+             done = is_finished();
+             if (!done) job = take(later_), doing_later_ = true;
+           });
+      if (job) end(do_now(job), doing_later_);
+    }
   }
   // Waits until every job is done.
   void finish_all() {
-    wait([&] { return jobs_.empty() && later_.empty() && busy_ == kIdle; }, [] {});
+    wait([&] { return jobs_.empty() && later_.empty() && !doing_ && !doing_later_; }, [] {});
   }
   // Drops the jobs of run_later() that have not begun and waits for the one that has.
   void drop_later() {
     wait([] { return true; }, [&] { later_.clear(); });
-    wait([&] { return busy_ != kLater; }, [] {});
+    wait([&] { return !doing_later_; }, [] {});
   }
 
  private:
-  enum Busy { kIdle, kRun, kLater };
+  bool is_finished() const { return jobs_.empty() && !doing_; }
+  bool may_begin_later() const { return !later_.empty() && !doing_later_; }
+  static Job take(std::deque<Job>& queue) {
+    Job job = std::move(queue.front());
+    queue.pop_front();
+    return job;
+  }
+  // Does a job, and frees what it holds. Returns what it threw.
+  static std::exception_ptr do_now(Job& job) {
+    std::exception_ptr error;
+    try {
+      job();
+    } catch (...) {
+      error = std::current_exception();
+    }
+    job = nullptr;
+    return error;
+  }
+  // Of a job that this thread did.
+  void end(const std::exception_ptr& error, bool& doing) {
+    std::lock_guard lock(mutex_);
+    doing = false;
+    if (error) {
+      error_ = error;
+      jobs_.clear();
+      later_.clear();
+    }
+    changed_.notify_all();
+  }
 
   template <class Ready, class Then>
   void wait(Ready&& ready, Then&& then) {
@@ -74,32 +110,16 @@ class Background {
   }
 
   void work() {
-    std::unique_lock lock(mutex_);
     for (;;) {
-      changed_.wait(lock, [&] { return closed_ || !jobs_.empty() || !later_.empty(); });
-      if (jobs_.empty() && later_.empty()) return;
-      busy_ = jobs_.empty() ? kLater : kRun;
-      std::deque<Job>& queue = busy_ == kRun ? jobs_ : later_;
-      Job job = std::move(queue.front());
-      queue.pop_front();
+      std::unique_lock lock(mutex_);
+      changed_.wait(lock, [&] { return closed_ || error_ || !jobs_.empty() || may_begin_later(); });
+      if (jobs_.empty() && !may_begin_later()) return;
+      const bool later = jobs_.empty();
+      bool& doing = later ? doing_later_ : doing_;
+      Job job = take(later ? later_ : jobs_);
+      doing = true;
       lock.unlock();
-      std::exception_ptr error;
-      try {
-        job();
-      } catch (...) {
-        error = std::current_exception();
-      }
-      job = nullptr;  // frees what the job holds now, not when the next one comes
-      lock.lock();
-      const bool was_full = busy_ == kRun && jobs_.size() + 1 == kMostWaiting;
-      busy_ = kIdle;
-      if (error) {
-        error_ = error;
-        jobs_.clear();
-        later_.clear();
-        return changed_.notify_all();
-      }
-      if (jobs_.empty() || was_full) changed_.notify_all();
+      end(do_now(job), doing);
     }
   }
 
@@ -107,7 +127,7 @@ class Background {
   std::condition_variable changed_;
   std::deque<Job> jobs_, later_;
   std::exception_ptr error_;
-  Busy busy_ = kIdle;
+  bool doing_ = false, doing_later_ = false;  // a job of run(), or of run_later(), is being done
   bool closed_ = false;
   std::thread thread_;  // last: it uses the others
 };

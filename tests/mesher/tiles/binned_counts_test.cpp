@@ -104,7 +104,9 @@ TEST_CASE("Counts by the bins of a grid, of which many facets see no ray, are th
   const Metadata meta = tile_grid(2, axis, axis, axis, 2);
   const std::vector<Facet> facets = tangle(random, 1500, 60);
   FacetBins bins(meta, 0, 0, false, {1, folder.path()}, false, [](const Facet& f, uint32_t) { return f; }, {});
-  for (const Facet& f : facets) bins.add(f, 0, FacetBins::kOfFile);
+  std::vector<uint8_t> ready;
+  for (const Facet& f : facets) bins.make_ready(f, 0, FacetBins::kOfFile, 0, ready);
+  bins.add(ready);
   bins.finish();
   BinnedCounter survey({true});
   std::vector<TreePlace> places = {GridRays(meta).root()};

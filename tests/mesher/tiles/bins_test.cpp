@@ -44,7 +44,9 @@ struct Filling {
 std::unique_ptr<FacetBins> filled(const Metadata& meta, const std::vector<Added>& facets, const TempFolder& folder, const Filling& how = {}) {
   auto out = std::make_unique<FacetBins>(meta, how.expected, how.expected, how.float32, Budget{how.budget, folder.path()}, how.own_writer, how.move,
                                          std::vector<uint8_t>{});
-  for (const Added& f : facets) out->add(f.facet, f.layer | (f.ignored ? kIgnored : 0), f.origin);
+  std::vector<uint8_t> ready;
+  for (const Added& f : facets) out->make_ready(f.facet, f.layer | (f.ignored ? kIgnored : 0), f.origin, 0, ready);
+  out->add(ready);
   out->finish();
   return out;
 }
@@ -178,11 +180,13 @@ TEST_CASE("A part lies in bins as its facets do, whether it is small or spread o
       BinnedPart whole{kFacets, {HUGE_VAL, HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}, part, 0, [of_part](const auto& f) {
                          for (const Added& added : of_part) f(added.facet);
                        }};
+      std::vector<uint8_t> ready;
       for (const Added& added : of_part) {
-        if (part % 5 == 0) bins.add(added.facet, part, FacetBins::kOfFile);
+        if (part % 5 == 0) bins.make_ready(added.facet, part, FacetBins::kOfFile, 0, ready);
         for (const Vec3& v : move(added.facet, part).vertex)
           for (size_t d = 0; d < 3; ++d) whole.lo[d] = std::min(whole.lo[d], v[d]), whole.hi[d] = std::max(whole.hi[d], v[d]);
       }
+      bins.add(ready);
       if (part % 5 != 0) bins.add(whole);
     }
     bins.finish();

@@ -178,7 +178,9 @@ TEST_CASE("Facets that lie in bins are handed to the tiles that facets in memory
     for (const int ahead : {0, 3}) {
       auto bins = std::make_unique<FacetBins>(
           meta, 0, 0, false, Budget{1, folder.path()}, ahead > 0, [](const Facet& f, uint32_t) { return f; }, std::vector<uint8_t>{});
-      for (uint32_t i = 0; i < facets.size(); ++i) bins->add(facets[i], i, FacetBins::kOfFile);
+      std::vector<uint8_t> ready;
+      for (uint32_t i = 0; i < facets.size(); ++i) bins->make_ready(facets[i], i, FacetBins::kOfFile, 0, ready);
+      bins->add(ready);
       bins->finish();
       BinnedCounter survey(std::vector<bool>(facets.size(), true));
       Tiling tiling(std::move(bins), &survey, ahead, meta);

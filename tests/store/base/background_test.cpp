@@ -54,6 +54,26 @@ TEST_CASE("finish() waits for no work for later, and such work can be dropped", 
   CHECK(now == 1);
 }
 
+TEST_CASE("a thread that waits does work for later meanwhile", "[background][threads]") {
+  std::promise<void> go;
+  std::thread::id on;
+  Background work(true);
+  work.run([&] { go.get_future().wait(); });
+  work.run_later([&] {
+    on = std::this_thread::get_id();
+    go.set_value();
+  });
+  work.finish();
+  CHECK(on == std::this_thread::get_id());
+  std::promise<void> again;
+  work.run([&] { again.get_future().wait(); });
+  work.run_later([&] {
+    again.set_value();
+    throw std::runtime_error("no");
+  });
+  CHECK_THROWS_WITH(work.finish(), "no");
+}
+
 TEST_CASE("what a job throws reaches the next call, and later jobs are not begun", "[background][threads]") {
   for (const bool later : {false, true}) {
     bool begun = false;
