@@ -101,9 +101,7 @@ struct GridRays {
     return {r.u0 - std::min(r.u0, more), std::min(r.u1 + more, shape.nu), r.v0 - std::min(r.v0, more), std::min(r.v1 + more, shape.nv)};
   }
   // REQUIRES: !range.empty().
-  ChunkRange chunks_of(const RayRange& r) const {
-    return {chunk.of(r.u0), chunk.of(r.u1 - 1), chunk.of(r.v0), chunk.of(r.v1 - 1)};
-  }
+  ChunkRange chunks_of(const RayRange& r) const { return {chunk.of(r.u0), chunk.of(r.u1 - 1), chunk.of(r.v0), chunk.of(r.v1 - 1)}; }
   // The side of a node of that depth, in rays.
   uint64_t size(int depth) const { return uint64_t{kFanOut} * shape.chunk_rays << (kFanOutBits * depth); }
   TreePlace root() const {
