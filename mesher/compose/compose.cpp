@@ -89,11 +89,14 @@ uint32_t take_pairs(const uint64_t* c, uint32_t rays, uint32_t layer, uint32_t l
   return taken;
 }
 
+// More crossings, or more bodies that the ray is in where it leaves one, make no course: courses take memory for each thread.
+constexpr size_t kMostOfCourse = 256;
+
 // Whether all that happens to the ray follows from the order of its crossings.
 bool can_be_learnt(std::span<const uint64_t> sorted, uint32_t length) {
   uint64_t marks = 0;
   for (const uint64_t c : sorted) marks |= c & Crossing::kMark;
-  return !sorted.empty() && marks == 0 && Crossing::cell(sorted.back()) <= length;
+  return !sorted.empty() && sorted.size() <= kMostOfCourse && marks == 0 && Crossing::cell(sorted.back()) <= length;
 }
 
 // Where the course of a ray is kept: by the order of its crossings.
@@ -436,6 +439,10 @@ void Composer::add_overlaps(Course& course) {
 // The body that the ray leaves at this crossing, and those that it stays inside of.
 void Composer::learn_leaving(const Inside& body) {
   Course& course = *learning_;
+  if (course.others.size() + inside_.size() > kMostOfCourse) {
+    learning_ = nullptr;
+    return;
+  }
   Course::Leaving l{{body.rank, body.body, body.crossing}, first_of_cell_, course.others.size(), 0, course.stretches.size(), 0,
                     {owner_.rank, owner_crossing_}};
   for (const Inside& other : inside_) {

@@ -303,6 +303,36 @@ TEST_CASE("Cells, what bodies own and cover, and where they overlap, are those o
   }
 }
 
+TEST_CASE("Rays in which bodies are nested find how much each pair has in common, however many there are") {
+  for (const uint32_t count : {3u, 23u, 24u, 200u}) {  // the last two are too many for a course
+    SomeBodies bodies;
+    const uint32_t length = 2 * count + 2;
+    std::vector<uint64_t> ray;
+    for (uint32_t b = 0; b < count; ++b) {  // each in the one before, and stronger
+      bodies.rank.push_back(count - b);
+      bodies.label.push_back(1), bodies.in_others.push_back(1);
+      for (const bool evenodd : {false, true}) bodies.layers.push_back({b, evenodd});
+      ray.push_back(up(1 + b, 2 * b)), ray.push_back(down(length - 1 - b, 2 * b));
+    }
+    Composer composer = bodies.composer();
+    for (int tile = 0; tile < 2; ++tile) {
+      Crossings crossings = as_tile({ray, ray, ray, ray});
+      RayBlock out;
+      composer.compose(crossings, 2, 2, length, out);
+      const std::vector<Overlap> found = unpacked(composer.take_overlaps({{0, 0, 0}, {2, 2, length}}));
+      REQUIRE(found.size() == count * (count - 1) / 2);
+      for (const Overlap& o : found) {
+        REQUIRE(o.cells == 4 * 2 * (count - o.bodies[1]));
+        REQUIRE((o.box.lo == Index3{0, 0, 1 + o.bodies[1]} && o.box.hi == Index3{2, 2, length - 1 - o.bodies[1]}));
+        REQUIRE(o.third == (o.bodies[1] + 1 < count));
+      }
+    }
+    const auto cells = composer.take_cells();
+    REQUIRE(cells.size() == count);
+    for (const BodyCells& b : cells) REQUIRE((b.owned == 8 * 2 && b.covered == 8 * 2 * (count - 1 - b.body)));
+  }
+}
+
 TEST_CASE("Cells are counted anew after they were taken") {
   Composer composer = kTwo.composer();
   composed(composer, {{up(1, 0), down(5, 0), up(3, 2), down(4, 2)}, {up(0, 0), down(6, 0)}}, 6);
