@@ -12,6 +12,7 @@
 
 #include <fmt/format.h>
 
+#include "store/base/system/once.hpp"
 #include "store/base/system/system.hpp"
 #include "store/base/wanted.hpp"
 #include "store/channels/fraction_reader.hpp"
@@ -44,11 +45,11 @@ struct tc_grid {
   const std::string hash = reader.hash();
   std::atomic<int64_t> owners = 1;
   std::vector<tc_material> materials;
-  mutable std::once_flag fractions_opened;
+  mutable Once fractions_opened;
   mutable std::unique_ptr<FractionReader> fractions;
-  mutable std::once_flag links_opened;
+  mutable Once links_opened;
   mutable std::unique_ptr<LinkReader> links;
-  mutable std::once_flag info_made;
+  mutable Once info_made;
   mutable std::string info;
 };
 
@@ -281,7 +282,7 @@ int tc_info(const tc_grid* grid, const char** json) {
   return guarded([&] {
     const GridReader& reader = reader_of(grid);
     check(json != nullptr, "a place for the text, found NULL");
-    std::call_once(grid->info_made, [&] { grid->info = info_json(reader); });
+    grid->info_made([&] { grid->info = info_json(reader); });
     *json = grid->info.c_str();
   });
 }
@@ -418,7 +419,7 @@ int tc_fractions(const tc_grid* grid, uint32_t material, const int64_t lo[3], co
                  double outside, int threads) {
   return guarded([&] {
     const GridReader& reader = reader_of(grid);
-    std::call_once(grid->fractions_opened, [&] { grid->fractions = std::make_unique<FractionReader>(reader); });
+    grid->fractions_opened([&] { grid->fractions = std::make_unique<FractionReader>(reader); });
     if (material >= grid->materials.size())
       throw UsageError(fmt::format("material: expected 0 to {}, found {}", grid->materials.size() - 1, material));
     Box box = box_of(lo, hi);
@@ -453,7 +454,7 @@ int tc_links(const tc_grid* grid, int axis, const int64_t lo[3], const int64_t h
     const GridReader& reader = reader_of(grid);
     check(axis >= 0 && axis <= 2, "axis 0, 1 or 2");
     check(visit != nullptr, "a function to call, found NULL");
-    std::call_once(grid->links_opened, [&] { grid->links = std::make_unique<LinkReader>(reader); });
+    grid->links_opened([&] { grid->links = std::make_unique<LinkReader>(reader); });
     grid->links->for_each(axis, box_of(lo, hi), [&](std::span<const CellLink> links) {
       for (const CellLink& l : links) {
         const tc_link out{{l.cell[0], l.cell[1], l.cell[2]}, l.end, l.begin, l.patch == kNoPatch ? -1 : int64_t{l.patch}};

@@ -232,8 +232,8 @@ class BodyReader {
   void spill() {
     expect_files();
     hand_on();
-    out_.helper->finish();
     out_.helper->drop_later();
+    out_.helper->finish();
     out_.in_memory = false;
     out_.facets.reset();
   }

@@ -28,7 +28,7 @@ class BoundaryProof {
 };
 
 // Do facets lie on each other with opposite orientation? This is tested on a sample: all facets of a small surface, some
-// ten thousand of a large one. They are chosen by a hash of their vertices, so that the sample holds both facets of such a pair or
+// 33,000 to 65,536 of a large one. They are chosen by a hash of their vertices, so that the sample holds both facets of such a pair or
 // neither. The answer does not depend on the order of the facets.
 class OppositeSample {
  public:
@@ -49,7 +49,7 @@ class OppositeSample {
   size_t place_of(uint64_t facet) const { return facet >> 2 & (table_.size() - 1); }
   void keep(uint64_t facet);
   void rehash(size_t size);
-  uint64_t most_ = ~uint64_t{0};  // the sample holds all keys up to this one
+  uint64_t most_ = ~uint64_t{0};  // the sample holds all keys up to this one, which ends in ones: orientations don't matter
   // A hash table with open addressing, at most half full. Of a facet it has the key, whose lowest two bits are the orientations that came.
   std::vector<uint64_t> table_ = std::vector<uint64_t>(kLeastTable);
   size_t facets_ = 0;  // in the table

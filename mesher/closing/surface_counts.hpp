@@ -96,7 +96,7 @@ class SurfaceCounter {
     std::array<VertexHash, 3> vertices;
     bool at_home;
   };
-  static constexpr size_t kWaiting = 8;  // a power of two
+  static constexpr size_t kWaiting = 8;
   void take(const Waiting& facet);
   void take_waiting();
 

@@ -89,7 +89,8 @@ uint32_t take_pairs(const uint64_t* c, uint32_t rays, uint32_t layer, uint32_t l
   return taken;
 }
 
-// More crossings, or more bodies that the ray is in where it leaves one, make no course: courses take memory for each thread.
+// Rays of more crossings have no course; nor have those that are in more bodies where they leave one, added up over all that they leave. Each thread
+// has courses, which take memory.
 constexpr size_t kMostOfCourse = 256;
 
 // Whether all that happens to the ray follows from the order of its crossings.
@@ -375,8 +376,8 @@ size_t Composer::compose_any(std::span<const uint64_t> all, uint32_t length, uin
   pattern = patterns.intern(sets_);
   if (learning_ && open_ == 0) {
     course.known = true;
+    if (course.tile != tile_) of_tile_.push_back(&course);
     course.tile = tile_;
-    of_tile_.push_back(&course);
     course.pattern = pattern;
     course.sets = sets_;
   }
@@ -424,7 +425,7 @@ void Composer::add_cells(Course& course) {
   std::ranges::fill(course.cells, 0);
 }
 
-// The same.
+// Hands on the stretches of the rays that took the course again.
 void Composer::add_overlaps(Course& course) {
   for (const Course::Leaving& l : course.leaving) {
     const std::span<const Inside> others(course.others.begin() + l.first_other, course.others.begin() + l.end_other);

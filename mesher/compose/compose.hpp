@@ -37,6 +37,7 @@ class Composer {
   // whose sample points lie in several bodies; label 0 is the background. `ray_axis`: that of all rays.
   Composer(std::vector<Layer> layers, const std::vector<uint32_t>& rank, const std::vector<Label>& label, const std::vector<Label>& in_others,
            int ray_axis);
+  Composer(const Composer&) = delete;  // it points at its own courses
   // Turns the crossings of a tile of nu x nv rays of `length` cells into runs, and sorts the crossings. Every layer's surface
   // is closed, so its counter is back at zero where the ray ends. Throws Error when it is not.
   void compose(Crossings& crossings, uint32_t nu, uint32_t nv, uint32_t length, RayBlock& out);
@@ -89,7 +90,7 @@ class Composer {
     uint64_t tile = 0;                // that the pattern and the stretches are of
     uint32_t pattern = 0;
     std::vector<SetId> sets;          // of the pattern
-    std::vector<uint64_t> order;      // crossings without their cells, but with whether it is that of the one before
+    std::vector<uint64_t> order;      // crossings without their cells, but with whether it is that of the one before (of the first one: cell 0)
     bool reaches_end = false;         // the last cell is beyond the ray
     std::vector<uint32_t> changes;    // the crossings that are
     std::vector<uint32_t> owners;     // by crossing: the body that owns the cells since the crossing before, if any
@@ -144,7 +145,7 @@ class Composer {
   std::vector<Course> courses_ = std::vector<Course>(size_t{1} << kCourseBits);  // by their hashes; the latest ones
   uint64_t tile_ = 0;                     // the number of the tile that is being composed
   std::vector<Course*> of_tile_;          // that rays of the tile took, or made
-  Course* latest_ = courses_.data();      // that a ray took, or made
+  Course* latest_ = courses_.data();      // that a ray took, or made if it could
   Course* learning_ = nullptr;            // that of the ray that is being composed; null if it has none
   uint32_t crossing_ = 0;                 // the one that is being stepped
   uint32_t first_of_cell_ = 0;            // of its cell, the first crossing

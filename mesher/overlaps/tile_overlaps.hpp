@@ -42,8 +42,8 @@ class TileOverlaps {
   // The cells [from, to) of ray v * nu + u.
   Stretches stretch(uint32_t ray, uint32_t from, uint32_t to) const;
   // A ray leaves `body` at cell `to` and stays inside the `others`, of which the one of the lowest rank stands last. `owner` is that of cell
-  // `to` - 1. Rays that do the same are taken together, with anything for cells that ascends with the cells of each of them;
-  // stretches(from) are those from `from` to `to`.
+  // `to` - 1. Rays that do the same may be taken together: then numbers that have the same order on each of them, such as those of their crossings,
+  // stand for cells. stretches(from): what lies between `from` and `to`.
   template <class F>
   void leave(const Inside& body, uint32_t to, std::span<const Inside> others, const Owner& owner, F&& stretches);
   // What was found since the last call, packed; empty if there is nothing. `cells` are those of the tile.
@@ -72,8 +72,8 @@ class TileOverlaps {
 
   const RayFrame frame_;
   std::array<int, 3> shift_;  // where the number of a cell along x, y, z stands in a key; keys sort by z, then y, then x
-  std::vector<Left> left_;        // by body
-  std::vector<Inside> met_;       // bodies in left_ that have something in common with others
+  std::vector<Left> left_;  // by body
+  std::vector<Inside> met_;  // bodies in left_ that have something in common with others
   uint32_t nu_ = 1;
 };
 

@@ -1,4 +1,4 @@
-// Work that is handed to one other thread and done there in order: reading goes on while what was read is studied.
+// Work that is handed to another thread and done in order: reading goes on while what was read is studied.
 #pragma once
 #include <array>
 #include <condition_variable>
@@ -13,7 +13,8 @@
 namespace teracell::inline store {
 
 // One thread may call it. When a job throws, the next call throws the same and the jobs after it are dropped. The destructor
-// drops the jobs that have not begun.
+// drops the jobs that have not begun. No call throws what a job threw while a job of run() is being done, so such a job may use what lives where it
+// was handed over until finish() has returned or thrown.
 class Background {
  public:
   using Job = std::function<void()>;
@@ -41,8 +42,9 @@ class Background {
     wait([&] { return jobs_.size() < kMostWaiting; }, [&] { jobs_.push_back(std::move(job)); });
     changed_.notify_all();
   }
-  // Hands over a job that nothing waits for yet: it begins when no job of run() is left, or on the thread that waits for these in
-  // finish(). (On a thread of its own, such work slowed reading down where there are only two cores.)
+  // Hands over a job that nothing waits for yet. It begins when no job of run() is left, or on the thread that waits for these in finish(), which
+  // then may return one such job late. No two of them are done at once. (On a thread of their own they slowed reading down where there are only two
+// cores.)
   void run_later(Job job) {
     if (!thread_.joinable()) return job();
     wait([] { return true; }, [&] { later_.push_back(std::move(job)); });
@@ -94,7 +96,7 @@ class Background {
     std::lock_guard lock(mutex_);
     doing = false;
     if (error) {
-      error_ = error;
+      if (!error_) error_ = error;
       jobs_.clear();
       later_.clear();
     }
@@ -104,7 +106,7 @@ class Background {
   template <class Ready, class Then>
   void wait(Ready&& ready, Then&& then) {
     std::unique_lock lock(mutex_);
-    changed_.wait(lock, [&] { return error_ || ready(); });
+    changed_.wait(lock, [&] { return error_ ? !doing_ : ready(); });
     if (error_) std::rethrow_exception(error_);
     then();
   }

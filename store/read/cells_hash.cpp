@@ -5,7 +5,7 @@
 namespace teracell::inline store {
 
 std::string GridReader::cells_hash() const {
-  std::call_once(cells_hashed_, [&] {
+  cells_hashed_([&] {
     ContentHash hash;
     Metadata meta = meta_;
     meta.channels = Metadata().channels;

@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "store/base/file.hpp"
+#include "store/base/system/once.hpp"
 #include "store/format/frame_claims.hpp"
 #include "store/format/index_cache.hpp"
 #include "store/grid/metadata.hpp"
@@ -116,7 +117,7 @@ class GridReader {
   std::pair<uint16_t, uint16_t> version_;
   Footer footer_;
   Metadata meta_;
-  mutable std::once_flag cells_hashed_;
+  mutable Once cells_hashed_;
   mutable std::string cells_hash_;
   mutable std::mutex damage_mutex_;
   mutable std::string damage_;

@@ -50,7 +50,7 @@ void CachedSource::read(uint64_t offset, std::span<uint8_t> out) const {
 }
 
 const std::array<uint8_t, CachedSource::kHead>& CachedSource::head() const {
-  std::call_once(head_read_, [&] { far_->read(0, head_); });
+  head_read_([&] { far_->read(0, head_); });
   return head_;
 }
 

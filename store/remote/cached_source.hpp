@@ -10,6 +10,7 @@
 
 #include "store/base/file.hpp"
 #include "store/base/lru_cache.hpp"
+#include "store/base/system/once.hpp"
 #include "store/remote/block_folder.hpp"
 
 namespace teracell::inline store {
@@ -70,7 +71,7 @@ class CachedSource : public ByteSource {
   const std::shared_ptr<BlockCache> cache_;
   const uint64_t number_;  // in the cache
   const size_t memory_;    // what one caller fills at a time, and a quarter of which is kept of one read
-  mutable std::once_flag head_read_;
+  mutable Once head_read_;
   mutable std::array<uint8_t, kHead> head_{};
   mutable std::mutex mutex_;
   mutable std::condition_variable changed_;

@@ -210,8 +210,8 @@ std::vector<uint64_t> pair_of(std::mt19937_64& random, uint32_t length) {
   return {up(static_cast<uint32_t>(first), 0), down(static_cast<uint32_t>(random_int(random, first + least, std::max(first + 1, end - least))), 0)};
 }
 
-// The same crossings in the same order, in other cells: those of one cell in one cell or, now and then, all in different ones. REQUIRES: they
-// are fewer than `length`.
+// The same crossings in the same order, in other cells: those of one cell in one cell or, now and then, all in different ones; perhaps from the first
+// cell on, and up to the end. REQUIRES: they are fewer than `length`.
 std::vector<uint64_t> like(std::mt19937_64& random, std::vector<uint64_t> ray, uint32_t length) {
   std::ranges::sort(ray);
   std::vector<uint32_t> cells(length - 1);
@@ -219,12 +219,19 @@ std::vector<uint64_t> like(std::mt19937_64& random, std::vector<uint64_t> ray, u
   std::ranges::shuffle(cells, random);
   cells.resize(ray.size());
   std::ranges::sort(cells);
+  const bool at_first = random_int(random, 0, 2) == 0, at_end = random_int(random, 0, 2) == 0;
   const bool apart = random_int(random, 0, 4) == 0;
   std::vector<uint64_t> out;
   for (size_t i = 0, group = 0; i < ray.size(); ++i) {
     group += i > 0 && Crossing::cell(ray[i]) != Crossing::cell(ray[i - 1]);
     out.push_back(uint64_t{cells[apart ? i : group]} << 32 | static_cast<uint32_t>(ray[i]));
   }
+  const auto move_to = [&](uint32_t from, uint32_t to) {
+    for (uint64_t& c : out)
+      if (Crossing::cell(c) == from) c = uint64_t{to} << 32 | static_cast<uint32_t>(c);
+  };
+  if (at_first && !out.empty()) move_to(Crossing::cell(out.front()), 0);
+  if (at_end && !out.empty()) move_to(Crossing::cell(out.back()), length);
   std::ranges::shuffle(out, random);
   return out;
 }
@@ -242,7 +249,7 @@ TEST_CASE("Cells, what bodies own and cover, and where they overlap, are those o
     }
     std::ranges::shuffle(bodies.rank, random);
     Composer composer = bodies.composer();
-    std::vector<uint64_t> before;           // a ray of this tile or of one before, whose course is known
+    std::vector<uint64_t> before;  // a ray of this tile or of one before, whose course is known
     for (int tile = 0; tile < 6; ++tile) {  // of a composer that has made others
       const auto length = static_cast<uint32_t>(random_int(random, 1, 30));
       const bool pairs = tile % 2 == 1;  // nearly all rays go into and out of one body, as they mostly do, and many are composed at once

@@ -65,13 +65,23 @@ TEST_CASE("a thread that waits does work for later meanwhile", "[background][thr
   });
   work.finish();
   CHECK(on == std::this_thread::get_id());
-  std::promise<void> again;
-  work.run([&] { again.get_future().wait(); });
+}
+
+TEST_CASE("what work for later throws is not thrown before the job of the other thread is done", "[background][threads]") {
+  std::promise<void> go;
+  std::atomic<bool> done = false;
+  Background work(true);
+  work.run([&] {
+    go.get_future().wait();
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    done = true;
+  });
   work.run_later([&] {
-    again.set_value();
+    go.set_value();
     throw std::runtime_error("no");
   });
   CHECK_THROWS_WITH(work.finish(), "no");
+  CHECK(done);
 }
 
 TEST_CASE("what a job throws reaches the next call, and later jobs are not begun", "[background][threads]") {
