@@ -44,7 +44,7 @@ class Background {
   }
   // Hands over a job that nothing waits for yet. It begins when no job of run() is left, or on the thread that waits for these in finish(), which
   // then may return one such job late. No two of them are done at once. (On a thread of their own they slowed reading down where there are only two
-// cores.)
+  // cores.)
   void run_later(Job job) {
     if (!thread_.joinable()) return job();
     wait([] { return true; }, [&] { later_.push_back(std::move(job)); });

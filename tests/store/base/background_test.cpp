@@ -68,14 +68,16 @@ TEST_CASE("a thread that waits does work for later meanwhile", "[background][thr
 }
 
 TEST_CASE("what work for later throws is not thrown before the job of the other thread is done", "[background][threads]") {
-  std::promise<void> go;
+  std::promise<void> begun, go;
   std::atomic<bool> done = false;
   Background work(true);
   work.run([&] {
+    begun.set_value();
     go.get_future().wait();
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
     done = true;
   });
+  begun.get_future().wait();
   work.run_later([&] {
     go.set_value();
     throw std::runtime_error("no");
