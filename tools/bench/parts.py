@@ -4,13 +4,15 @@ fitted to.
   tools/bench/run parts         the longest part / the mean part of the stadium at 20,000 cells, and of the mesh at 30,000^3
   tools/bench/run parts --fit   fits the costs to the time of each group of these grids (tools/bench/peers/parts_probe.cpp)
 
-A part's time is that of its process, with reading the surface. The fit takes casting alone.
+A part's time is that of its process, with reading the surface, as a multiple of what the middle part takes just before and just after it: on a shared
+machine the same part takes up to twice as long for minutes, which says nothing about the parts. Medians count. The fit takes casting alone.
 """
 import bisect
 import math
 import os
 import random
 import resource
+import statistics
 import subprocess
 import sys
 import tempfile
@@ -18,22 +20,31 @@ import tempfile
 from common import ROOT, TERACELL, build, parser
 
 PARTS = 64
-RUNS = 4  # of which the least time of each group, or part, counts: beside other work one takes up to three times as long
+RUNS = 3
+RUNS_OF_GROUPS = 4  # of which the least time of each counts
 CHILDREN = 16  # of a node of the tree (store/runs/pyramid.hpp)
 
 
-def processor_times(teracell, scene, folder, *options, parts=PARTS):
-    """Processor time of each part, in seconds."""
+def processor_time(teracell, scene, folder, part, *options):
+    """Processor time of a part, in seconds."""
+    grid = os.path.join(folder, "grid.tcell")
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    subprocess.run([teracell, "mesh", scene, "-o", grid, "--shard", f"{part}/{PARTS}", "--threads", "1", "--progress", "none", *options],
+                   check=True, stdout=subprocess.DEVNULL)
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    os.remove(f"{grid}.shard-{part}-of-{PARTS}")
+    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+
+
+def part_times(teracell, scene, folder, *options):
+    """What each part takes, as a multiple of what the middle one takes around it; and the middle one's processor times, in seconds."""
+    middle = [processor_time(teracell, scene, folder, PARTS // 2, *options)]
     found = []
-    for i in range(parts):
-        grid = os.path.join(folder, "grid.tcell")
-        before = resource.getrusage(resource.RUSAGE_CHILDREN)
-        subprocess.run([teracell, "mesh", scene, "-o", grid, "--shard", f"{i}/{parts}", "--threads", "1", "--progress", "none", *options],
-                       check=True, stdout=subprocess.DEVNULL)
-        after = resource.getrusage(resource.RUSAGE_CHILDREN)
-        found.append(after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime)
-        os.remove(f"{grid}.shard-{i}-of-{parts}")
-    return found
+    for part in range(PARTS):
+        time = processor_time(teracell, scene, folder, part, *options)
+        middle.append(processor_time(teracell, scene, folder, PARTS // 2, *options))
+        found.append(2 * time / (middle[-2] + middle[-1]))
+    return found, middle
 
 
 NAMES = ("kGroup", "kFacetInTile", "kCrossing", "kOfOther", "kHundredOfRay", "kHundredOfOthers", "kCoarser")
@@ -42,7 +53,7 @@ TODAY = (93_600, 2_600, 12, 3, 14, 32, 1)
 
 def groups_of(program, scene, cells, axis):
     """Of each group, in the order of the tree: nanoseconds, and what its cost is a sum of, as in CostMap::nodes()."""
-    runs = [subprocess.run([program, scene, str(cells), axis], check=True, capture_output=True, text=True).stdout.splitlines() for _ in range(RUNS)]
+    runs = [subprocess.run([program, scene, str(cells), axis], check=True, capture_output=True, text=True).stdout.splitlines() for _ in range(RUNS_OF_GROUPS)]
     lines = [list(map(int, line.split())) for line in runs[0]]
     for line, *others in zip(lines, *runs[1:]):
         line[0] = min(line[0], *(int(other.split()[0]) for other in others))
@@ -116,10 +127,11 @@ def main(arguments):
         stadium, cubic = scenes(options.mesh, folder)
         if not options.fit:
             for name, scene, words in (("stadium, 20,000 cells", stadium, ("--cells", "20000")), ("the mesh, 30,000^3", cubic, ())):
-                runs = [processor_times(TERACELL, scene, folder, *words) for _ in range(options.runs)]
-                times = [min(of_part) for of_part in zip(*runs)]
-                print(f"{PARTS} parts, longest / mean processor time: {name:<24} {max(times) / (sum(times) / PARTS):.2f}, mean {sum(times) / PARTS:.2f} s",
-                      flush=True)
+                runs, middles = zip(*(part_times(TERACELL, scene, folder, *words) for _ in range(options.runs)))
+                times = [statistics.median(of_part) for of_part in zip(*runs)]
+                mean = statistics.mean(times)
+                seconds = mean * statistics.median(sum(middles, []))
+                print(f"{PARTS} parts, longest / mean processor time: {name:<24} {max(times) / mean:.2f}, mean {seconds:.2f} s", flush=True)
             return
         program = os.path.join(ROOT, "build/bench/parts_probe")
         fit(program, [("stadium, 20,000 cells", stadium, 20000, axis) for axis in "xz"] + [("the mesh, 30,000^3", cubic, 0, axis) for axis in "xy"])
