@@ -138,13 +138,15 @@ void SurfaceCounter::take(const Waiting& facet) {
     v[i] = numbers_(facet.vertices[i]);
     if (v[i] == vertices_.size()) vertices_.add();
   }
-  for (int i = 1; i < 3; ++i) vertices_.join(v[i], v[0]);
+  vertices_.join(v[1], v[0], v[2]);
   if (!facet.at_home) return;
   ++facets_;
   const bool odd = (v[0] > v[1]) ^ (v[1] > v[2]) ^ (v[0] > v[2]);  // whether sorting three different vertices reverses the facet
-  std::ranges::sort(v);  // so that the order of a facet's vertices does not matter
-  const bool turns = odd && v[0] != v[1] && v[1] != v[2];
-  distinct_.add((fold(fold(v[0] ^ kHashKeys[0], v[1] ^ kHashKeys[1]) ^ kHashKeys[2], v[2] ^ kHashKeys[3]) & ~uint64_t{1}) | turns);
+  // In ascending order, so that the order of a facet's vertices does not matter. Without branches, which nobody could foretell.
+  const uint32_t low = std::min(v[0], v[1]), high = std::max(v[0], v[1]);
+  const uint32_t least = std::min(low, v[2]), greatest = std::max(high, v[2]), middle = std::max(low, std::min(high, v[2]));
+  const bool turns = odd & (least != middle) & (middle != greatest);
+  distinct_.add((fold(fold(least ^ kHashKeys[0], middle ^ kHashKeys[1]) ^ kHashKeys[2], greatest ^ kHashKeys[3]) & ~uint64_t{1}) | turns);
 }
 
 }  // namespace teracell::mesher

@@ -26,6 +26,12 @@ class Groups {
     a = of(a), b = of(b);
     parent_[std::max(a, b)] = std::min(a, b);
   }
+  // The same for three things, of which two mostly stand in the group of the first already.
+  void join(uint32_t a, uint32_t b, uint32_t c) {
+    const uint32_t first = of(a);
+    if (parent_[b] != first) join(b, first);
+    if (parent_[c] != first) join(c, a);
+  }
   bool stands_for_one(uint32_t thing) const { return parent_[thing] == thing; }
   // How many groups there are.
   uint64_t count() const {
