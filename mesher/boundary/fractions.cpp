@@ -55,9 +55,13 @@ class OneLabel {
   size_t run_ = 0;
 };
 
-// By insertion where that is fast: the numbers are few, or nearly in order.
+// Sorts numbers that are nearly in order: by insertion, unless there are so many that this could take long after all.
 void sort_nearly_sorted(std::span<uint32_t> numbers) {
-  if (numbers.size() > 256) std::ranges::sort(numbers);
+  constexpr size_t kMostInserted = 256;
+  if (numbers.size() > kMostInserted) {
+    std::ranges::sort(numbers);
+    return;
+  }
   for (size_t i = 1; i < numbers.size(); ++i) {
     const uint32_t number = numbers[i];
     size_t j = i;
