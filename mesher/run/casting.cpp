@@ -67,7 +67,7 @@ void Casting::cast(const Tiling& tiling, const std::function<std::optional<TileG
         std::lock_guard lock(of_stored);
         to_free.push_back(std::move(job.work));
       },
-      size_t{2} * TileGroupWork::kRows);
+      size_t{2} * TileGroupWork::kRows, run_.bodies.helper.get());
 }
 
 }  // namespace teracell::mesher

@@ -35,6 +35,8 @@ class Background {
     thread_.join();
   }
 
+  bool has_thread() const { return thread_.joinable(); }
+
   // Hands over a job. Waits while kMostWaiting such jobs have not begun.
   static constexpr size_t kMostWaiting = 16;
   void run(Job job) {
@@ -65,6 +67,11 @@ class Background {
   // Waits until every job is done.
   void finish_all() {
     wait([&] { return jobs_.empty() && later_.empty() && !doing_ && !doing_later_; }, [] {});
+  }
+  // Waits until every job is done or dropped, and throws nothing.
+  void await() {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [&] { return !doing_ && !doing_later_ && (error_ || (jobs_.empty() && later_.empty())); });
   }
   // Drops the jobs of run_later() that have not begun and waits for the one that has.
   void drop_later() {
