@@ -94,13 +94,20 @@ FacetBins::GroupRange FacetBins::groups_of(const RayRange& r) const {
 
 void FacetBins::make_ready(const Facet& facet, uint32_t layer, Origin origin, uint32_t patch, std::vector<uint8_t>& out) const {
   const uint32_t tag = layer | (origin == kOfFile ? 0 : kNotOfFile) | (origin == kPlaced ? kInPlace : 0);
+  Facet room;
+  const GroupRange groups = groups_of(rays_.range_of(placed(facet, tag, room), layer_in(tag)));
   const size_t at = out.size();
-  out.resize(at + record_bytes_);
-  encode(facet, tag, patch, {out.data() + at, record_bytes_});
+  out.resize(at + sizeof groups + record_bytes_);
+  std::memcpy(out.data() + at, &groups, sizeof groups);
+  encode(facet, tag, patch, {out.data() + at + sizeof groups, record_bytes_});
 }
 
 void FacetBins::add(std::span<const uint8_t> ready) {
-  for (; !ready.empty(); ready = ready.subspan(record_bytes_)) put(root_, groups_of(ready.first(record_bytes_)), ready.first(record_bytes_));
+  GroupRange groups;
+  for (; !ready.empty(); ready = ready.subspan(sizeof groups + record_bytes_)) {
+    std::memcpy(&groups, ready.data(), sizeof groups);
+    put(root_, groups, ready.subspan(sizeof groups, record_bytes_));
+  }
 }
 
 void FacetBins::add(BinnedPart part) {
