@@ -128,11 +128,11 @@ void in_order(int threads, Next next, Make make, Take take, uint64_t ahead = 2, 
       if (idle) idle->await();
     }
   } at_exit{mutex, room, stop, idle};
-  const int with_idle = idle && idle->has_thread() ? threads - 1 : threads;
-  for (int i = 1; i < with_idle; ++i) pool.emplace_back(work, i);
-  if (with_idle < threads)
+  const bool lent = idle != nullptr && idle->has_thread();
+  for (int i = 1; i < threads - lent; ++i) pool.emplace_back(work, i);
+  if (lent)
     idle->run_later([&] {
-      work(with_idle);
+      work(threads - 1);
       Wanted::work_for(nullptr);
     });
   for (bool can_make = true;;) {

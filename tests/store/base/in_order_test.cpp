@@ -182,12 +182,83 @@ TEST_CASE("An exception of take ends the loop, though all threads wait for room"
     }
 }
 
+TEST_CASE("A thread that has other work to do first is a worker afterwards, in place of a new one", "[threads]") {
+  for (int threads = 2; threads <= 4; ++threads) {
+    Background idle(true);
+    std::promise<void> go;
+    std::thread::id its_thread;
+    idle.run_later([&] {
+      its_thread = std::this_thread::get_id();
+      go.get_future().wait();
+    });
+    std::atomic<bool> joined = false;
+    int taken = 0;
+    in_order(
+        threads, [n = 0, &joined]() mutable { return joined ? std::nullopt : std::optional(n++); },
+        [&](int job, int worker) {
+          if (job == 100) go.set_value();
+          if (job > 100) std::this_thread::yield();
+          const bool is_its = worker == threads - 1;
+          if (is_its) joined = true;
+          return std::pair(job, !is_its || std::this_thread::get_id() == its_thread);
+        },
+        [&](std::pair<int, bool> result) { REQUIRE(result == std::pair(taken++, true)); }, 2, &idle);
+    REQUIRE(taken > 100);
+    REQUIRE(joined);
+    std::thread::id again;
+    idle.run([&] { again = std::this_thread::get_id(); });
+    idle.finish();
+    REQUIRE(again == its_thread);
+  }
+}
+
+TEST_CASE("A loop that fails, or has nothing to do, leaves no work to a thread that still works", "[threads]") {
+  for (const bool fails : {true, false}) {
+    Background idle(true);
+    bool done = false;
+    idle.run_later([&] {
+      dawdle(20'000);
+      done = true;
+    });
+    const auto run = [&] {
+      in_order(
+          2, counting_to(fails ? 1 : 0), [](int job, int) { return job; }, [](int) { throw std::runtime_error("take"); }, 2, &idle);
+    };
+    if (fails) REQUIRE_THROWS_WITH(run(), "take");
+    else REQUIRE_NOTHROW(run());
+    REQUIRE(done);
+  }
+}
+
+TEST_CASE("What a thread's other work throws is thrown by the loop or after it", "[threads]") {
+  for (const int before : {0, 2000}) {
+    Background idle(true);
+    idle.run_later([] { throw std::runtime_error("count"); });
+    dawdle(before);
+    int taken = 0;
+    const auto run = [&] {
+      in_order(
+          2, counting_to(50),
+          [](int job, int) {
+            dawdle(100);
+            return job;
+          },
+          [&](int result) { REQUIRE(result == taken++); }, 2, &idle);
+      REQUIRE(taken == 50);
+      idle.finish_all();
+    };
+    REQUIRE_THROWS_WITH(run(), "count");
+  }
+}
+
 TEST_CASE("A thousand short loops end: no wake-up is lost", "[threads]") {
+  Background idle(true), without_thread(false);
   for (int round = 0; round < 1000; ++round) {
     const int threads = 1 + round % 8, jobs = round % 23;
     int sum = 0;
     in_order(
-        threads, counting_to(jobs), [](int job, int) { return job; }, [&](int result) { sum += result; });
+        threads, counting_to(jobs), [](int job, int) { return job; }, [&](int result) { sum += result; }, 2,
+        std::array<Background*, 3>{nullptr, &idle, &without_thread}[static_cast<size_t>(round % 3)]);
     REQUIRE(sum == jobs * (jobs - 1) / 2);
   }
 }
