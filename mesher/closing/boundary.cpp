@@ -76,11 +76,13 @@ void OppositeSample::keep(uint64_t facet) {
 
 // Drops the facets that are no longer of the sample.
 void OppositeSample::rehash(size_t size) {
-  std::vector<uint64_t> old(size);
-  old.swap(table_);
+  std::vector<uint64_t> kept;
+  kept.reserve(facets_);
+  for (const uint64_t facet : table_)
+    if (facet != 0 && facet <= most_) kept.push_back(facet);
+  table_.assign(size, 0);
   facets_ = 0;
-  for (const uint64_t facet : old)
-    if (facet != 0) keep(facet);
+  for (const uint64_t facet : kept) keep(facet);
 }
 
 bool OppositeSample::take_answer() {

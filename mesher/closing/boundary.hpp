@@ -12,6 +12,7 @@
 
 #include "mesher/closing/vertex_hash.hpp"
 #include "mesher/surface/facet.hpp"
+#include "store/base/populate.hpp"
 
 namespace teracell::mesher {
 
@@ -51,7 +52,7 @@ class OppositeSample {
   void rehash(size_t size);
   uint64_t most_ = ~uint64_t{0};  // the sample holds all keys up to this one, which ends in ones: orientations don't matter
   // A hash table with open addressing, at most half full. Of a facet it has the key, whose lowest two bits are the orientations that came.
-  std::vector<uint64_t> table_ = std::vector<uint64_t>(kLeastTable);
+  std::vector<uint64_t, Populated<uint64_t>> table_ = std::vector<uint64_t, Populated<uint64_t>>(kLeastTable);
   size_t facets_ = 0;  // in the table
   // Facets go into the table some calls later, when their places have reached the cache.
   std::array<uint64_t, kWaiting> waiting_{};
