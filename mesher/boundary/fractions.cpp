@@ -55,13 +55,8 @@ class OneLabel {
   size_t run_ = 0;
 };
 
-// Sorts numbers that are nearly in order: by insertion, unless there are so many that this could take long after all.
-void sort_nearly_sorted(std::span<uint32_t> numbers) {
-  constexpr size_t kMostInserted = 256;
-  if (numbers.size() > kMostInserted) {
-    std::ranges::sort(numbers);
-    return;
-  }
+// Sorts by insertion. That is fast for few numbers that are nearly in order.
+void insertion_sort(std::span<uint32_t> numbers) {
   for (size_t i = 1; i < numbers.size(); ++i) {
     const uint32_t number = numbers[i];
     size_t j = i;
@@ -431,7 +426,7 @@ bool FractionCounter::count_two_labels(uint32_t u, const Box& cells, std::span<c
   uint32_t inside = 0;  // how many sub-rays are
   std::vector<uint32_t>& changes = plain_;  // the sub-sample, and whether the sub-ray enters there
   changes.clear();
-  size_t most = 0;  // changes of a sub-ray
+  size_t all = 0, most = 0;  // changes of all sub-rays, and of the one that has most of them
   for (uint32_t j = 0; j < sv; ++j)
     for (uint32_t i = 0; i < su; ++i) {
       const auto of_ray = sub_runs_.sets(j * sub_runs_.nu + u * su + i);
@@ -440,17 +435,25 @@ bool FractionCounter::count_two_labels(uint32_t u, const Box& cells, std::span<c
         if (l != 0 && l != label) return false;
       }
       inside += of_ray[0] != 0;
-      most = std::max(most, of_ray.size() - 1);
+      all += of_ray.size() - 1, most = std::max(most, of_ray.size() - 1);
     }
-  // The first changes of all sub-rays, then the second ones: that is nearly their order, so that sorting takes a third of the time.
-  for (size_t n = 0; n < most; ++n)
+  // Adds the changes [first, last) of each sub-ray.
+  const auto add_changes = [&](size_t first, size_t last) {
     for (uint32_t j = 0; j < sv; ++j)
       for (uint32_t i = 0; i < su; ++i) {
         const uint32_t ray = j * sub_runs_.nu + u * su + i;
         const auto at = sub_runs_.changes(ray);
-        if (n < at.size()) changes.push_back(at[n] << 1 | (sub_runs_.sets(ray)[n + 1] != 0));
+        const auto of_ray = sub_runs_.sets(ray);
+        for (size_t n = first; n < std::min(last, at.size()); ++n) changes.push_back(at[n] << 1 | (of_ray[n + 1] != 0));
       }
-  sort_nearly_sorted(changes);
+  };
+  if (constexpr size_t kMostInserted = 64; all <= kMostInserted) {
+    for (size_t n = 0; n < most; ++n) add_changes(n, n + 1);  // nearly in their order
+    insertion_sort(changes);
+  } else {
+    add_changes(0, most);
+    std::ranges::sort(changes);
+  }
 
   OneLabel one_label(ends, sets, total_);
   const uint32_t labels[2] = {0, label};

@@ -142,7 +142,7 @@ void SurfaceCounter::take(const Waiting& facet) {
   if (!facet.at_home) return;
   ++facets_;
   const bool odd = (v[0] > v[1]) ^ (v[1] > v[2]) ^ (v[0] > v[2]);  // whether sorting three different vertices reverses the facet
-  // In ascending order, so that the order of a facet's vertices does not matter. Without branches, which nobody could foretell.
+  // In ascending order, so that the order of a facet's vertices does not matter. Without branches, which can't be predicted.
   const uint32_t low = std::min(v[0], v[1]), high = std::max(v[0], v[1]);
   const uint32_t least = std::min(low, v[2]), greatest = std::max(high, v[2]), middle = std::max(low, std::min(high, v[2]));
   const bool turns = odd & (least != middle) & (middle != greatest);

@@ -51,7 +51,7 @@ class VertexNumbers {
   void rehash(size_t size);
   std::vector<Recent> recent_ = std::vector<Recent>(8);
   int recent_shift_ = 61;  // recent_ has 2^(64 - shift) entries
-  std::vector<VertexHash, Populated<VertexHash>> hashes_;  // by number
+  std::vector<VertexHash> hashes_;     // by number
   std::vector<uint32_t, Populated<uint32_t>> table_;  // number + 1; 0 is free
 };
 

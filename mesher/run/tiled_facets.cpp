@@ -63,6 +63,11 @@ TiledFacets::TiledFacets(const Scene& scene, Bodies& bodies, const Metadata& met
       progress_(std::move(progress)),
       binned_(to_be_counted(bodies)) {}
 
+// What is still to be counted of facets in memory is counted no more, as when a run ends early.
+TiledFacets::~TiledFacets() {
+  if (facets_ && bodies_.helper) bodies_.helper->drop_later();
+}
+
 Tiling& TiledFacets::tile(const TreeRange& range, bool count, bool again) {
   tiling_.reset();
   if (bodies_.in_memory) {

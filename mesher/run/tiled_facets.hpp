@@ -15,6 +15,7 @@ class TiledFacets {
   // bodies as in rays.hpp. `patches`: facets get those, if it isn't null.
   TiledFacets(const Scene& scene, Bodies& bodies, const Metadata& meta, const std::vector<uint8_t>& widened, const Budget& budget, int threads,
               const Patches* patches, std::function<void(double)> progress);
+  ~TiledFacets();
 
   // Tiles the facets of a stretch of the tree; the tiling before this one is gone. The first call takes facets in memory out of `bodies`;
   // `again`: there may be another one, so those that were added are kept. `count` is for counts(): one tiling may do that.

@@ -45,7 +45,8 @@ class FacetBins {
 
   // Where a facet comes from: the body's file, closing (in the file's coordinates), or closing (as the grid sees it).
   enum Origin { kOfFile, kAdded, kPlaced };
-  // make_ready() appends a facet to `out`, with where it belongs, on any thread. add() takes what it appended, in pieces of whole facets.
+  // make_ready() appends a facet to `out`, with the tile groups that it lies in, on any thread. add() takes what it appended, in pieces of whole
+  // facets. REQUIRES: the facet's coordinates are in single precision if those that are kept are.
   void make_ready(const Facet& facet, uint32_t layer, Origin origin, uint32_t patch, std::vector<uint8_t>& out) const;
   void add(std::span<const uint8_t> ready);
   void add(BinnedPart part);

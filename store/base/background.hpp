@@ -68,15 +68,11 @@ class Background {
   void finish_all() {
     wait([&] { return jobs_.empty() && later_.empty() && !doing_ && !doing_later_; }, [] {});
   }
-  // Waits until every job is done or dropped, and throws nothing.
-  void await() {
-    std::unique_lock lock(mutex_);
-    changed_.wait(lock, [&] { return !doing_ && !doing_later_ && (error_ || (jobs_.empty() && later_.empty())); });
-  }
-  // Drops the jobs of run_later() that have not begun and waits for the one that has.
+  // Drops the jobs of run_later() that have not begun and waits for the one that has. Throws nothing.
   void drop_later() {
-    wait([] { return true; }, [&] { later_.clear(); });
-    wait([&] { return !doing_later_; }, [] {});
+    std::unique_lock lock(mutex_);
+    later_.clear();
+    changed_.wait(lock, [&] { return !doing_later_; });
   }
 
  private:

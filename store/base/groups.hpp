@@ -26,7 +26,7 @@ class Groups {
     a = of(a), b = of(b);
     parent_[std::max(a, b)] = std::min(a, b);
   }
-  // The same for three things, of which two mostly stand in the group of the first already.
+  // The same for three things. Mostly b and c are in a's group already, and their parents say so.
   void join(uint32_t a, uint32_t b, uint32_t c) {
     const uint32_t first = of(a);
     if (parent_[b] != first) join(b, first);

@@ -1,8 +1,10 @@
 // Work that several threads do and one takes in order: the loop that meshing, slices and verification share.
 #pragma once
+#include <atomic>
 #include <condition_variable>
 #include <cstdint>
 #include <exception>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <thread>
@@ -32,8 +34,9 @@ inline bool is_alone(int threads) {
 // three ends the loop and is thrown here. Of several exceptions it is that of the earliest job, so errors don't depend on
 // timing.
 //
-// The thread of `idle`, if it has one, is one of the workers as soon as it has done what it had to do. (A new thread beside one that still works
-// would be one more than there are cores. Two of them then shared a core, for 10 to 20 ms even after the other core had become free.)
+// The thread of `idle`, if it has one, is the last worker from when it has done what it had to do; if that takes longer than the loop, it does nothing
+// here. What its own jobs throw is not thrown here. None of the three may call `idle`. (A new thread beside one that still works would be one more
+// than was asked for. On as many cores two of them then shared one, for 10 to 20 ms even after the other core had become free.)
 //
 // The calling thread takes what is there before it makes the next one, so taking wakes nobody. Rejected: a thread that does nothing but take.
 // It was woken for every few results and took a core from a thread that makes: meshing 10^12 cells on two cores took 1.08 times as long.
@@ -114,27 +117,37 @@ void in_order(int threads, Next next, Make make, Take take, uint64_t ahead = 2, 
     }
   };
   std::vector<std::jthread> pool;
+  // The job for `idle` outlives the loop where it has not begun.
+  enum Lent : int { kWaits, kWorks, kEnded };
+  const auto lent = std::make_shared<std::atomic<int>>(kWaits);
   struct Stop {  // before the threads are joined, also when take() throws
     std::mutex& mutex;
     std::condition_variable& room;
     bool& stop;
-    Background* idle;
+    std::atomic<int>& lent;
     ~Stop() {
       {
         std::lock_guard lock(mutex);
         stop = true;
         room.notify_all();
       }
-      if (idle) idle->await();
+      if (int waits = kWaits; !lent.compare_exchange_strong(waits, kEnded)) lent.wait(kWorks);
     }
-  } at_exit{mutex, room, stop, idle};
-  const bool lent = idle != nullptr && idle->has_thread();
-  for (int i = 1; i < threads - lent; ++i) pool.emplace_back(work, i);
-  if (lent)
-    idle->run_later([&] {
-      work(threads - 1);
-      Wanted::work_for(nullptr);
-    });
+  } at_exit{mutex, room, stop, *lent};
+  const bool lends = idle != nullptr && idle->has_thread();
+  for (int i = 1; i < threads - lends; ++i) pool.emplace_back(work, i);
+  if (lends) {
+    try {
+      idle->run_later([lent, &work, worker = threads - 1] {
+        if (int waits = kWaits; !lent->compare_exchange_strong(waits, kWorks)) return;
+        work(worker);
+        Wanted::work_for(nullptr);
+        lent->store(kEnded);
+        lent->notify_one();
+      });
+    } catch (...) {  // a job of its own has thrown: the next call throws that again
+    }
+  }
   for (bool can_make = true;;) {
     uint64_t end;
     {

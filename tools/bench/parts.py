@@ -21,28 +21,28 @@ from common import ROOT, TERACELL, build, parser
 
 PARTS = 64
 RUNS = 3
-RUNS_OF_GROUPS = 4  # of which the least time of each counts
+RUNS_OF_GROUPS = 4  # of which the least time of each group counts
 CHILDREN = 16  # of a node of the tree (store/runs/pyramid.hpp)
 
 
-def processor_time(teracell, scene, folder, part, *options):
+def processor_time(scene, folder, part, *options):
     """Processor time of a part, in seconds."""
     grid = os.path.join(folder, "grid.tcell")
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    subprocess.run([teracell, "mesh", scene, "-o", grid, "--shard", f"{part}/{PARTS}", "--threads", "1", "--progress", "none", *options],
+    subprocess.run([TERACELL, "mesh", scene, "-o", grid, "--shard", f"{part}/{PARTS}", "--threads", "1", "--progress", "none", *options],
                    check=True, stdout=subprocess.DEVNULL)
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     os.remove(f"{grid}.shard-{part}-of-{PARTS}")
     return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
 
 
-def part_times(teracell, scene, folder, *options):
+def part_times(scene, folder, *options):
     """What each part takes, as a multiple of what the middle one takes around it; and the middle one's processor times, in seconds."""
-    middle = [processor_time(teracell, scene, folder, PARTS // 2, *options)]
+    middle = [processor_time(scene, folder, PARTS // 2, *options)]
     found = []
     for part in range(PARTS):
-        time = processor_time(teracell, scene, folder, part, *options)
-        middle.append(processor_time(teracell, scene, folder, PARTS // 2, *options))
+        time = processor_time(scene, folder, part, *options)
+        middle.append(processor_time(scene, folder, PARTS // 2, *options))
         found.append(2 * time / (middle[-2] + middle[-1]))
     return found, middle
 
@@ -127,7 +127,7 @@ def main(arguments):
         stadium, cubic = scenes(options.mesh, folder)
         if not options.fit:
             for name, scene, words in (("stadium, 20,000 cells", stadium, ("--cells", "20000")), ("the mesh, 30,000^3", cubic, ())):
-                runs, middles = zip(*(part_times(TERACELL, scene, folder, *words) for _ in range(options.runs)))
+                runs, middles = zip(*(part_times(scene, folder, *words) for _ in range(options.runs)))
                 times = [statistics.median(of_part) for of_part in zip(*runs)]
                 mean = statistics.mean(times)
                 seconds = mean * statistics.median(sum(middles, []))

@@ -26,11 +26,16 @@ TEST_CASE("Groups are those of labels that are painted over at each join") {
     Groups groups(things);
     std::vector<uint32_t> label(things);
     std::iota(label.begin(), label.end(), 0);
-    for (uint32_t i = 0; i < things / 2; ++i) {
-      const auto a = static_cast<uint32_t>(random() % things), b = static_cast<uint32_t>(random() % things);
-      groups.join(a, b);
+    const auto any = [&] { return static_cast<uint32_t>(random() % things); };
+    const auto paint = [&](uint32_t a, uint32_t b) {
       const uint32_t low = std::min(label[a], label[b]), high = std::max(label[a], label[b]);
       std::ranges::replace(label, high, low);
+    };
+    for (uint32_t i = 0; i < things / 3; ++i) {
+      const uint32_t a = any(), b = any(), c = any();
+      paint(a, b);
+      if (i % 2 == 0) groups.join(a, b);
+      else groups.join(a, b, c), paint(a, c);
     }
     for (uint32_t thing = 0; thing < things; ++thing) REQUIRE(groups.of(thing) == label[thing]);
   }
