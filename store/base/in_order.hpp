@@ -34,9 +34,9 @@ inline bool is_alone(int threads) {
 // three ends the loop and is thrown here. Of several exceptions it is that of the earliest job, so errors don't depend on
 // timing.
 //
-// The thread of `idle`, if it has one, is the last worker from when it has done what it had to do; if that takes longer than the loop, it does nothing
-// here. What its own jobs throw is not thrown here. None of the three may call `idle`. (A new thread beside one that still works would be one more
-// than was asked for. On as many cores two of them then shared one, for 10 to 20 ms even after the other core had become free.)
+// The thread of `idle`, if it has one, is the last worker from when it has done what it had to do; if that takes longer than the loop, it does
+// nothing here. What its own jobs throw is not thrown here. None of the three may call `idle`. (A new thread beside one that still works would be one
+// more than was asked for. On as many cores two of them then shared one, for 10 to 20 ms even after the other core had become free.)
 //
 // The calling thread takes what is there before it makes the next one, so taking wakes nobody. Rejected: a thread that does nothing but take.
 // It was woken for every few results and took a core from a thread that makes: meshing 10^12 cells on two cores took 1.08 times as long.
