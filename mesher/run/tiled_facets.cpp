@@ -63,7 +63,7 @@ TiledFacets::TiledFacets(const Scene& scene, Bodies& bodies, const Metadata& met
       progress_(std::move(progress)),
       binned_(to_be_counted(bodies)) {}
 
-// What is still to be counted of facets in memory is counted no more, as when a run ends early.
+// When a run ends early, jobs may still count facets that are freed here.
 TiledFacets::~TiledFacets() {
   if (facets_ && bodies_.helper) bodies_.helper->drop_later();
 }

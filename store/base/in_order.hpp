@@ -34,9 +34,9 @@ inline bool is_alone(int threads) {
 // three ends the loop and is thrown here. Of several exceptions it is that of the earliest job, so errors don't depend on
 // timing.
 //
-// The thread of `idle`, if it has one, is the last worker from when it has done what it had to do; if that takes longer than the loop, it does
-// nothing here. What its own jobs throw is not thrown here. None of the three may call `idle`. (A new thread beside one that still works would be one
-// more than was asked for. On as many cores two of them then shared one, for 10 to 20 ms even after the other core had become free.)
+// If `idle` has a thread, that is the last worker as soon as it has done its own jobs; if the loop ends before, it takes no part. What its own jobs
+// throw is not thrown here. next, make and take must not call `idle`. (A new thread beside one that still works would be one more than was asked for.
+// On as many cores two of them then shared one, for 10 to 20 ms even after the other core had become free.)
 //
 // The calling thread takes what is there before it makes the next one, so taking wakes nobody. Rejected: a thread that does nothing but take.
 // It was woken for every few results and took a core from a thread that makes: meshing 10^12 cells on two cores took 1.08 times as long.
@@ -117,7 +117,7 @@ void in_order(int threads, Next next, Make make, Take take, uint64_t ahead = 2, 
     }
   };
   std::vector<std::jthread> pool;
-  // The job for `idle` outlives the loop where it has not begun.
+  // What becomes of the job for `idle`, which outlives the loop if it has not begun.
   enum Lent : int { kWaits, kWorks, kEnded };
   const auto lent = std::make_shared<std::atomic<int>>(kWaits);
   struct Stop {  // before the threads are joined, also when take() throws
@@ -145,7 +145,7 @@ void in_order(int threads, Next next, Make make, Take take, uint64_t ahead = 2, 
         lent->store(kEnded);
         lent->notify_one();
       });
-    } catch (...) {  // a job of its own has thrown: the next call throws that again
+    } catch (...) {  // a job of its own has thrown; the next call of `idle` throws that again
     }
   }
   for (bool can_make = true;;) {
