@@ -22,6 +22,7 @@ constexpr uint64_t kLoadedBytes = 200;
 // With more memory than this, bins become larger than caches, and some must be split after all: 25.6 million facets took 3 % more
 // processor time with 2 GB than with 256 MB, and wrote a quarter more.
 constexpr uint64_t kMostUseful = uint64_t{256} << 20;
+constexpr uint64_t kLeastBuffer = 4096;
 
 // The nine coordinates of a facet, each a T. Both return where they end.
 template <class T>
@@ -57,15 +58,27 @@ FacetBins::FacetBins(const Metadata& meta, uint64_t facets, uint64_t whole, bool
       file_(budget.folder, expected_bytes(whole, record_bytes_), expected_bytes(facets, record_bytes_) <= budget.bytes / 2),
       root_{.place = rays_.root()},
       writer_(own_writer) {
-  // Starts with as many bins as are likely to be needed, if their buffers fit: a bin that must be split later is written twice.
-  constexpr uint64_t kLeastBuffer = 4096;
+  // Starts with as many bins as are likely to be needed, if their buffers fit: what a bin has when it is split is written twice. Parts of groups
+  // are opened when a group has become too large.
   const uint64_t memory = std::min(budget.bytes, kMostUseful);
-  uint64_t bins = 1;
-  for (int depth = root_.place.depth; depth > 0 && bins * most_facets_ < facets * 3 / 2 && bins_at(depth - 1) <= memory / 8 / kLeastBuffer; --depth) {
-    open_leaves(root_);
-    bins = bins_at(depth - 1);
+  fine_ = root_.place.depth;
+  for (uint64_t bins = 1; fine_ > rays_.lowest && bins * most_facets_ < facets * 3 / 2 && bins_at(fine_ - 1) <= memory / 8 / kLeastBuffer;)
+    bins = bins_at(--fine_);
+  const int first = std::max(fine_, 0);
+  open(root_, first, room_in(memory / 16 / bins_at(first)));
+}
+
+size_t FacetBins::room_in(uint64_t bytes) const { return std::clamp<uint64_t>(bytes, kLeastBuffer, 1 << 20) / record_bytes_ * record_bytes_; }
+
+// Gives a bin all that lies below it down to a depth.
+void FacetBins::open(Bin& bin, int depth, size_t room) const {
+  bin.room = room;
+  if (bin.place.depth <= depth) return;
+  for (uint32_t k = 0; k < kChildren; ++k) {
+    const TreePlace child = bin.place.child(k);
+    bin.children.push_back({.place = child, .wanted = child.depth < 0 ? bin.wanted : range_.has_any(child.depth, child.cu, child.cv)});
+    open(bin.children.back(), depth, room);
   }
-  buffer_bytes_ = std::clamp<uint64_t>(memory / 16 / bins, kLeastBuffer, 1 << 20) / record_bytes_ * record_bytes_;
 }
 
 uint64_t FacetBins::bins_at(int depth) const {
@@ -73,40 +86,27 @@ uint64_t FacetBins::bins_at(int depth) const {
   return ((rays_.shape.nu + size - 1) / size) * ((rays_.shape.nv + size - 1) / size);
 }
 
-void FacetBins::open_leaves(Bin& bin) const {
-  if (bin.children.empty()) open_children(bin);
-  else
-    for (Bin& child : bin.children) open_leaves(child);
-}
-
-void FacetBins::open_children(Bin& bin) const {
-  for (uint32_t k = 0; k < kChildren; ++k) {
-    const TreePlace child = bin.place.child(k);
-    bin.children.push_back({.place = child, .wanted = range_.has_any(child.depth, child.cu, child.cv)});
-  }
-}
-
-FacetBins::GroupRange FacetBins::groups_of(const RayRange& r) const {
+FacetBins::UnitRange FacetBins::units_of(const RayRange& r) const {
   const uint32_t u = rays_.shape.nu - 1, v = rays_.shape.nv - 1;
-  const Side& group = rays_.group;
-  return {group.of(std::min(r.u0, u)), group.of(std::min(r.u1, u)), group.of(std::min(r.v0, v)), group.of(std::min(r.v1, v))};
+  const Side& unit = rays_.unit;
+  return {unit.of(std::min(r.u0, u)), unit.of(std::min(r.u1, u)), unit.of(std::min(r.v0, v)), unit.of(std::min(r.v1, v))};
 }
 
 void FacetBins::make_ready(const Facet& facet, uint32_t layer, Origin origin, uint32_t patch, std::vector<uint8_t>& out) const {
   const uint32_t tag = layer | (origin == kOfFile ? 0 : kNotOfFile) | (origin == kPlaced ? kInPlace : 0);
   Facet room;
-  const GroupRange groups = groups_of(rays_.range_of(placed(facet, tag, room), layer_in(tag)));
+  const UnitRange units = units_of(rays_.range_of(placed(facet, tag, room), layer_in(tag)));
   const size_t at = out.size();
-  out.resize(at + sizeof groups + record_bytes_);
-  std::memcpy(out.data() + at, &groups, sizeof groups);
-  encode(facet, tag, patch, {out.data() + at + sizeof groups, record_bytes_});
+  out.resize(at + sizeof units + record_bytes_);
+  std::memcpy(out.data() + at, &units, sizeof units);
+  encode(facet, tag, patch, {out.data() + at + sizeof units, record_bytes_});
 }
 
 void FacetBins::add(std::span<const uint8_t> ready) {
-  GroupRange groups;
-  for (; !ready.empty(); ready = ready.subspan(sizeof groups + record_bytes_)) {
-    std::memcpy(&groups, ready.data(), sizeof groups);
-    put(root_, groups, ready.subspan(sizeof groups, record_bytes_));
+  UnitRange units;
+  for (; !ready.empty(); ready = ready.subspan(sizeof units + record_bytes_)) {
+    std::memcpy(&units, ready.data(), sizeof units);
+    put(root_, units, ready.subspan(sizeof units, record_bytes_));
   }
 }
 
@@ -117,55 +117,64 @@ void FacetBins::add(BinnedPart part) {
   const std::span<uint8_t> record(buffer.data(), record_bytes_);
   encode({}, tag, 0, record);
   std::memcpy(record.data(), &number, sizeof number);
-  put(root_, groups_of(record), record);
+  put(root_, units_of(record), record);
 }
 
-FacetBins::GroupRange FacetBins::groups_of(std::span<const uint8_t> record) const {
+FacetBins::UnitRange FacetBins::units_of(std::span<const uint8_t> record) const {
   uint32_t tag;
   const Facet facet = decode(record, tag);
   Facet room;
-  if (!is_part(tag)) return groups_of(rays_.range_of(placed(facet, tag, room), layer_in(tag)));
+  if (!is_part(tag)) return units_of(rays_.range_of(placed(facet, tag, room), layer_in(tag)));
   const BinnedPart& part = part_in(record);
-  return groups_of(rays_.range_of({{part.lo, part.hi, part.hi}}, layer_in(tag)));
+  return units_of(rays_.range_of({{part.lo, part.hi, part.hi}}, layer_in(tag)));
 }
 
 // About how many facets of a part lie in a bin, by the share of its box that does.
-uint64_t FacetBins::facets_here(const TreePlace& place, const GroupRange& groups, const BinnedPart& part) const {
+uint64_t FacetBins::facets_here(const TreePlace& place, const UnitRange& units, const BinnedPart& part) const {
   const auto share = [&](uint32_t first, uint32_t last, uint32_t at) {
-    const int shift = kFanOutBits * place.depth;
+    const int shift = rays_.shift(place.depth);
     const uint64_t from = std::max<uint64_t>(first, uint64_t{at} << shift), to = std::min<uint64_t>(last, ((uint64_t{at} + 1) << shift) - 1);
     return static_cast<double>(to + 1 - from) / (static_cast<double>(last - first) + 1);
   };
-  const double here = share(groups.first_u, groups.last_u, place.cu) * share(groups.first_v, groups.last_v, place.cv);
+  const double here = share(units.first_u, units.last_u, place.cu) * share(units.first_v, units.last_v, place.cv);
   return 1 + static_cast<uint64_t>(here * static_cast<double>(part.facets));
 }
 
-void FacetBins::put(Bin& bin, const GroupRange& groups, std::span<const uint8_t> record) {
+void FacetBins::put(Bin& bin, const UnitRange& units, std::span<const uint8_t> record) {
   constexpr uint32_t kMostCopies = 4;  // of a part's record among the children of a bin: more of them would read the part too often
   if (!bin.wanted) return;
   if (bin.children.empty()) {
-    bin.facets += is_part(tag_in(record)) ? facets_here(bin.place, groups, part_in(record)) : 1;
-    if (bin.buffer.empty()) bin.buffer.resize(whole_pages(buffer_bytes_));
+    const uint64_t facets = is_part(tag_in(record)) ? facets_here(bin.place, units, part_in(record)) : 1;
+    bin.facets += facets;
+    if (bin.place.depth > rays_.lowest) {
+      const int below = below_of(bin.place.depth), shift = rays_.shift(below), levels = kFanOutBits * (bin.place.depth - below);
+      const auto met = [&](uint32_t first, uint32_t last, uint32_t at) {
+        return std::min(last >> shift, ((at + 1) << levels) - 1) - std::max(first >> shift, at << levels) + 1;
+      };
+      bin.copies += facets * met(units.first_u, units.last_u, bin.place.cu) * met(units.first_v, units.last_v, bin.place.cv);
+    }
+    if (bin.buffer.empty()) bin.buffer.resize(whole_pages(bin.room));
     std::memcpy(bin.buffer.data() + bin.buffered, record.data(), record.size());
     bin.buffered += record.size();
-    if (bin.buffered >= buffer_bytes_) flush(bin);
+    if (bin.facets > most_facets_ && may_be_split(bin)) return split(bin);
+    if (bin.buffered >= bin.room) flush(bin);
     return;
   }
-  const int shift = kFanOutBits * (bin.place.depth - 1);
+  const int shift = rays_.shift(bin.place.depth - 1);
   const uint32_t u = bin.place.cu * kFanOut, v = bin.place.cv * kFanOut;
-  const uint32_t first_u = std::max(groups.first_u >> shift, u), last_u = std::min(groups.last_u >> shift, u + kFanOut - 1);
-  const uint32_t first_v = std::max(groups.first_v >> shift, v), last_v = std::min(groups.last_v >> shift, v + kFanOut - 1);
+  const uint32_t first_u = std::max(units.first_u >> shift, u), last_u = std::min(units.last_u >> shift, u + kFanOut - 1);
+  const uint32_t first_v = std::max(units.first_v >> shift, v), last_v = std::min(units.last_v >> shift, v + kFanOut - 1);
   if ((last_u - first_u + 1) * (last_v - first_v + 1) > kMostCopies && is_part(tag_in(record))) {
     const BinnedPart& part = part_in(record);
     std::array<uint8_t, 9 * sizeof(double) + 2 * sizeof(uint32_t)> buffer;
     const std::span<uint8_t> facet(buffer.data(), record_bytes_);
     return part.read([&](const Facet& f) {
       encode(f, part.layer, part.patch, facet);
-      put(bin, groups_of(facet), facet);
+      put(bin, units_of(facet), facet);
     });
   }
   for (uint32_t cv = first_v; cv <= last_v; ++cv)
-    for (uint32_t cu = first_u; cu <= last_u; ++cu) put(bin.children[(cv - v) * kFanOut + cu - u], groups, record);
+    for (uint32_t cu = first_u; cu <= last_u; ++cu) put(bin.children[(cv - v) * kFanOut + cu - u], units, record);
 }
 
 void FacetBins::flush(Bin& bin) {
@@ -178,22 +187,30 @@ void FacetBins::flush(Bin& bin) {
   bin.buffer = {};
 }
 
+// The depth of the bins that a bin is split into.
+int FacetBins::below_of(int depth) const { return std::min(depth - 1, std::max(fine_, rays_.lowest)); }
+
+// A group is split only where that leaves few facets in each bin: large ones would lie in all of them.
+bool FacetBins::may_be_split(const Bin& bin) const { return bin.place.depth > 0 || (bin.place.depth > rays_.lowest && bin.copies < bin.facets * 2); }
+
+void FacetBins::split(Bin& bin) {
+  flush(bin);
+  writer_.finish();
+  Bin whole = std::move(bin);
+  bin = {.place = whole.place};
+  const int below = below_of(bin.place.depth);
+  open(bin, below, room_in(whole.room >> (2 * kFanOutBits * (bin.place.depth - below))));
+  take_records(whole, [&](std::span<const uint8_t> record) { put(bin, units_of(record), record); });
+}
+
 void FacetBins::finish() {
-  split_large(root_);
+  flush_all(root_);
   writer_.finish();
 }
 
-void FacetBins::split_large(Bin& bin) {
-  if (bin.children.empty()) {
-    flush(bin);
-    if (bin.facets <= most_facets_ || bin.place.depth == 0) return;
-    Bin whole = std::move(bin);
-    bin = {.place = whole.place};
-    open_children(bin);
-    writer_.finish();
-    take_records(whole, [&](std::span<const uint8_t> record) { put(bin, groups_of(record), record); });
-  }
-  for (Bin& child : bin.children) split_large(child);
+void FacetBins::flush_all(Bin& bin) {
+  flush(bin);
+  for (Bin& child : bin.children) flush_all(child);
 }
 
 const FacetBins::Bin& FacetBins::bin_at(const TreePlace& place) const {
@@ -205,18 +222,30 @@ const FacetBins::Bin& FacetBins::bin_at(const TreePlace& place) const {
   return *bin;
 }
 
+void FacetBins::for_each_bin(const TreePlace& place, const std::function<void(const TreePlace&)>& f) const {
+  const auto visit = [&](const auto& self, const Bin& bin) -> void {
+    if (bin.children.empty() && bin.facets > 0) f(bin.place);
+    for (const Bin& child : bin.children) self(self, child);
+  };
+  visit(visit, bin_at(place));
+}
+
 void FacetBins::take(const TreePlace& place, const std::function<void(const BinnedFacet&, const Facet&, const RayRange&)>& f) {
   Bin& bin = const_cast<Bin&>(bin_at(place));
-  const int shift = kFanOutBits * place.depth;
-  const auto inside = [&](uint32_t u, uint32_t v) { return u >> shift == place.cu && v >> shift == place.cv; };
-  const auto take_facet = [&](const Facet& facet, uint32_t tag, uint32_t patch, const Facet& moved, const RayRange& range, const GroupRange& groups) {
+  const int shift = rays_.shift(place.depth), group = rays_.shift(0);
+  const auto inside = [&](uint64_t u, uint64_t v) { return u >> shift == place.cu && v >> shift == place.cv; };
+  // The first unit of the place's group, if it is smaller than one.
+  const uint64_t group_u = place.depth < 0 ? uint64_t{place.cu} << shift >> group << group : 0;
+  const uint64_t group_v = place.depth < 0 ? uint64_t{place.cv} << shift >> group << group : 0;
+  const auto take_facet = [&](const Facet& facet, uint32_t tag, uint32_t patch, const Facet& moved, const RayRange& range, const UnitRange& units) {
     BinnedFacet out{facet, layer_in(tag), true, false, (tag & kNotOfFile) != 0, (tag & kIgnored) != 0, patch};
-    out.shared = !inside(groups.first_u, groups.first_v) || !inside(groups.last_u, groups.last_v);
+    out.shared = !inside(units.first_u, units.first_v) || !inside(units.last_u, units.last_v);
     if (out.shared) {
       // A facet is at home in the bin of its least vertex, so facets with the same vertices have the same home.
       const Vec3& p = moved.vertex[std::ranges::min_element(out.facet.vertex) - out.facet.vertex.begin()];
-      const GroupRange home = groups_of(rays_.range_of({{p, p, p}}, out.layer));
+      const UnitRange home = units_of(rays_.range_of({{p, p, p}}, out.layer));
       out.at_home = inside(home.first_u, home.first_v);
+      out.leads = place.depth >= 0 || inside(std::max<uint64_t>(units.first_u, group_u), std::max<uint64_t>(units.first_v, group_v));
     }
     f(out, moved, out.ignored ? RayRange{} : range);
   };
@@ -227,16 +256,16 @@ void FacetBins::take(const TreePlace& place, const std::function<void(const Binn
     if (!is_part(tag)) {
       const Facet& moved = placed(facet, tag, room);
       const RayRange range = rays_.range_of(moved, layer_in(tag));
-      return take_facet(facet, tag, patch_in(record), moved, range, groups_of(range));
+      return take_facet(facet, tag, patch_in(record), moved, range, units_of(range));
     }
     const BinnedPart& part = part_in(record);
     part.read([&](const Facet& of_part) {
       const Facet& moved = placed(of_part, part.layer, room);
       const RayRange range = rays_.range_of(moved, layer_in(part.layer));
-      const GroupRange groups = groups_of(range);
-      const bool here = groups.first_u >> shift <= place.cu && groups.last_u >> shift >= place.cu && groups.first_v >> shift <= place.cv &&
-                        groups.last_v >> shift >= place.cv;
-      if (here) take_facet(of_part, part.layer, part.patch, moved, range, groups);
+      const UnitRange units = units_of(range);
+      const auto meets = [&](uint64_t first, uint64_t last, uint32_t at) { return first >> shift <= at && last >> shift >= at; };
+      const bool here = meets(units.first_u, units.last_u, place.cu) && meets(units.first_v, units.last_v, place.cv);
+      if (here) take_facet(of_part, part.layer, part.patch, moved, range, units);
     });
   });
 }

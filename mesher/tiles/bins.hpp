@@ -1,6 +1,7 @@
 // Facets that don't fit into memory lie on disk in bins. A bin is a node of the tree of rays with so few facets that it can be
-// loaded. A facet lies in every bin that has a ray that it may meet, and in the bins of its vertices. So facets that share a
-// vertex share a bin, and two bins are connected by the facets that lie in both.
+// loaded: mostly it is one group of tiles or many, but where facets are smaller than cells it is a tile or a part of one. A facet
+// lies in every bin that has a ray that it may meet, and in the bins of its vertices. So facets that share a vertex share a bin,
+// and two bins are connected by the facets that lie in both.
 //
 // A part of which there are many copies lies in bins as one record, and its facets are read from their shape when a bin is loaded.
 #pragma once
@@ -22,6 +23,7 @@ struct BinnedFacet {
   bool added;      // it closes a hole and is not in the body's file
   bool ignored;    // it counts for nothing
   uint32_t patch;  // as in SceneFacet; 0 if they are not kept
+  bool leads = true;  // in exactly one of those bins of a tile group in which the facet lies
 };
 
 // A part that stands for its facets.
@@ -50,12 +52,14 @@ class FacetBins {
   void make_ready(const Facet& facet, uint32_t layer, Origin origin, uint32_t patch, std::vector<uint8_t>& out) const;
   void add(std::span<const uint8_t> ready);
   void add(BinnedPart part);
-  // To be called after the last facet. Splits bins that are too large, as far as the tree goes.
+  // To be called after the last facet.
   void finish();
 
   // After finish(). A node of the tree is a bin, has bins below it, or lies in a bin.
   bool is_split(const TreePlace& place) const { return !bin_at(place).children.empty(); }
-  uint64_t facets(const TreePlace& place) const { return bin_at(place).facets; }  // of parts an estimate
+  uint64_t facets(const TreePlace& place) const { return bin_at(place).facets; }  // of parts an estimate; 0 if the place is split
+  // Calls f with each bin of a place that has facets; this may be the place itself.
+  void for_each_bin(const TreePlace& place, const std::function<void(const TreePlace&)>& f) const;
   // Calls f with each facet of a bin, with the facet as the grid sees it, and with its rays (none if it is ignored). Call once.
   void take(const TreePlace& place, const std::function<void(const BinnedFacet&, const Facet& moved, const RayRange&)>& f);
   uint64_t bytes() const { return end_; }  // ever written
@@ -68,7 +72,8 @@ class FacetBins {
   struct Bin {
     TreePlace place;
     bool wanted = true;  // it lies in the range, at least in part
-    uint64_t facets = 0;
+    uint64_t facets = 0, copies = 0;  // copies: of its facets in the bins that it may be split into
+    size_t room = 0;  // of the buffer, in bytes
     std::vector<uint8_t> buffer;  // the first `buffered` bytes are used
     size_t buffered = 0;
     std::vector<Extent> extents;
@@ -76,18 +81,21 @@ class FacetBins {
   };
   const Bin& bin_at(const TreePlace& place) const;
   uint64_t bins_at(int depth) const;
-  void open_children(Bin& bin) const;
-  void open_leaves(Bin& bin) const;  // gives every leaf children
-  // The tile groups with a facet's rays and vertices. Unlike RayRange it includes the last ones.
-  struct GroupRange {
+  void open(Bin& bin, int depth, size_t room) const;
+  // The units (rays.hpp) with a facet's rays and vertices. Unlike RayRange it includes the last ones.
+  struct UnitRange {
     uint32_t first_u, last_u, first_v, last_v;
   };
-  GroupRange groups_of(const RayRange& rays) const;
-  GroupRange groups_of(std::span<const uint8_t> record) const;
-  uint64_t facets_here(const TreePlace& place, const GroupRange& groups, const BinnedPart& part) const;
-  void put(Bin& bin, const GroupRange& groups, std::span<const uint8_t> record);
+  UnitRange units_of(const RayRange& rays) const;
+  UnitRange units_of(std::span<const uint8_t> record) const;
+  uint64_t facets_here(const TreePlace& place, const UnitRange& units, const BinnedPart& part) const;
+  void put(Bin& bin, const UnitRange& units, std::span<const uint8_t> record);
   void flush(Bin& bin);
-  void split_large(Bin& bin);
+  void flush_all(Bin& bin);
+  bool may_be_split(const Bin& bin) const;
+  void split(Bin& bin);
+  size_t room_in(uint64_t bytes) const;
+  int below_of(int depth) const;
   template <class F>
   void take_records(Bin& bin, F&& f);
   // A record is nine coordinates, a tag (the layer, with two bits for the origin), and the patch if patches are kept. The record of a part
@@ -110,7 +118,7 @@ class FacetBins {
   const bool float32_, patches_;
   const size_t record_bytes_;
   const uint64_t most_facets_;  // of a bin that is loaded
-  size_t buffer_bytes_;
+  int fine_;  // the depth at which there are likely to be as many bins as are needed
   const Move move_;
   SpillFile file_;
   uint64_t end_ = 0;  // of the file, including what is not written yet

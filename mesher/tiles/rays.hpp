@@ -50,7 +50,8 @@ struct ChunkRange {
   uint32_t first_u, last_u, first_v, last_v;
 };
 
-// A node of the tree. At `depth` 0 it is a group of 4 x 4 tiles. (cu, cv) is its place among the nodes of this depth.
+// A node of the tree. At `depth` 0 it is a group of 4 x 4 tiles, at -1 a tile; bins may be smaller still. (cu, cv) is its place among the nodes of
+// this depth.
 struct TreePlace {
   int depth = 0;
   uint32_t cu = 0, cv = 0;
@@ -75,7 +76,8 @@ struct GridRays {
   const Axis& w;
   RayBounds u, v;
   LevelShape shape;
-  Side chunk, group;
+  Side chunk, unit;  // a unit is a node of the lowest depth
+  int lowest;        // depth of the tree
   std::vector<uint8_t> widened;  // for each body; empty if it is 0 for all
 
   // Keeps references to the axes. Facets of a body reach as many rays further on each side as `widened` says, because they may
@@ -87,7 +89,8 @@ struct GridRays {
         v(meta.grid.axis[frame.v]),
         shape(meta, 0),
         chunk(shape.chunk_rays),
-        group(kFanOut * shape.chunk_rays),
+        unit(lowest_side(shape.chunk_rays)),
+        lowest(-1 - std::countr_zero(shape.chunk_rays / lowest_side(shape.chunk_rays)) / kFanOutBits),
         widened(std::move(widened_bodies)) {}
 
   RayRange range_of(const Facet& facet, uint32_t layer) const {
@@ -102,12 +105,21 @@ struct GridRays {
   }
   // REQUIRES: !range.empty().
   ChunkRange chunks_of(const RayRange& r) const { return {chunk.of(r.u0), chunk.of(r.u1 - 1), chunk.of(r.v0), chunk.of(r.v1 - 1)}; }
-  // The side of a node of that depth, in rays.
-  uint64_t size(int depth) const { return uint64_t{kFanOut} * shape.chunk_rays << (kFanOutBits * depth); }
+  // The side of a node of that depth, in units and in rays.
+  uint64_t units(int depth) const { return uint64_t{1} << shift(depth); }
+  int shift(int depth) const { return kFanOutBits * (depth - lowest); }
+  uint64_t size(int depth) const { return units(depth) * (shape.chunk_rays >> shift(-1)); }
   TreePlace root() const {
     TreePlace root;
     while (size(root.depth) < std::max(shape.nu, shape.nv)) ++root.depth;
     return root;
+  }
+
+ private:
+  // Of a chunk's side, what is left when it is divided by four as often as that goes.
+  static uint32_t lowest_side(uint32_t chunk_rays) {
+    while (chunk_rays % kFanOut == 0) chunk_rays /= kFanOut;
+    return chunk_rays;
   }
 };
 

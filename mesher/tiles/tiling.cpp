@@ -104,16 +104,18 @@ Tiling::Node Tiling::load(const TreePlace& place) const {
   const auto store = std::make_shared<GridFacets>();
   NodeBuilder node(rays_);
   node.expect(bins_->facets(place));
-  std::optional<BinnedCounter::Bin> counts;
-  if (counter_) counts.emplace(*counter_, bins_->facets(place));
   const bool kept = wanted(place);
-  bins_->take(place, [&](const BinnedFacet& f, const Facet& moved, const RayRange& range) {
-    if (counts) counts->add(f);
-    if (!kept || range.empty()) return;
-    store->append({moved, f.layer, f.patch});
-    node.add(moved, range);
+  bins_->for_each_bin(place, [&](const TreePlace& bin) {
+    std::optional<BinnedCounter::Bin> counts;
+    if (counter_) counts.emplace(*counter_, bins_->facets(bin));
+    bins_->take(bin, [&](const BinnedFacet& f, const Facet& moved, const RayRange& range) {
+      if (counts) counts->add(f);
+      if (!kept || !f.leads || range.empty()) return;
+      store->append({moved, f.layer, f.patch});
+      node.add(moved, range);
+    });
+    if (counts) counts->finish();
   });
-  if (counts) counts->finish();
   return node.finish(place, store);
 }
 
@@ -124,7 +126,7 @@ Tiling::Node Tiling::take_bin(const TreePlace& place) {
     next_bins_.pop_front();
   }
   size_t bins = 0;  // on the path above a node that is split
-  for (auto n = path_.rbegin(); n != path_.rend() && next_bins_.size() < ahead_ && (n->block || !bins_->is_split(n->place)); ++n)
+  for (auto n = path_.rbegin(); n != path_.rend() && next_bins_.size() < ahead_ && (n->block || is_loaded_whole(n->place)); ++n)
     if (!n->block && ++bins > next_bins_.size()) next_bins_.push_back(std::async(std::launch::async, [this, at = n->place] { return load(at); }));
   return loading.valid() ? loading.get() : load(place);
 }
@@ -133,8 +135,8 @@ std::optional<TileGroup> Tiling::next() {
   while (!path_.empty()) {
     Node node = std::move(path_.back());
     path_.pop_back();
-    if (!node.block && !bins_->is_split(node.place)) node = take_bin(node.place);
-    if (!wanted(node.place) && (node.block || !bins_->is_split(node.place))) continue;  // its facets were only counted
+    if (!node.block && is_loaded_whole(node.place)) node = take_bin(node.place);
+    if (!wanted(node.place) && (node.block || is_loaded_whole(node.place))) continue;  // its facets were only counted
     if (node.place.depth == 0) {
       std::vector<ListedFacet> facets = listed(node);
       return TileGroup{node.place.cu, node.place.cv, std::move(node.block), std::move(facets)};

@@ -118,6 +118,13 @@ void expect_taken(const Metadata& meta, const std::vector<Added>& facets, const 
       homes += t.facet.at_home;
     }
     REQUIRE(homes == 1);
+    std::map<std::pair<uint64_t, uint64_t>, int> leading;  // by group, in which the facet has one or several bins
+    for (const Taken& t : taken[i]) {
+      if (t.place.depth < 0)
+        leading[{t.place.cu * rays.size(t.place.depth) / rays.size(0), t.place.cv * rays.size(t.place.depth) / rays.size(0)}] += t.facet.leads;
+      else REQUIRE(t.facet.leads);
+    }
+    for (const auto& [group, bins_that_lead] : leading) REQUIRE(bins_that_lead == 1);
     // In each bin with a ray that it meets it lies once, in any other not twice.
     const RayRange met = exact_range(meta, where);
     for (const TreePlace& place : places) {
@@ -214,6 +221,44 @@ TEST_CASE("A bin with more facets than are loaded at once is split, as far as th
   REQUIRE(bins->facets({0, 1, 0}) == 0);
   REQUIRE(bins->facets({2, 3, 3}) == 0);
   REQUIRE(take_all(meta, *bins).size() == facets.size());
+}
+
+// Tetrahedra far smaller than a cell, all over a grid of two groups of tiles, and some facets as large as the grid.
+std::vector<Facet> dense_facets(const Metadata& meta, std::mt19937_64& random, int small, int large) {
+  std::vector<Facet> out;
+  for (int i = 0; i < small + large; ++i) {
+    Facet& f = out.emplace_back();
+    for (int d = 0; d < 3; ++d) {
+      const Axis& axis = meta.grid.axis[d];
+      const double width = axis.max() - axis.min(), at = random_in(random, axis.min(), axis.max());
+      for (Vec3& v : f.vertex) v[d] = i < small ? at + random_in(random, 0, 0.2) : axis.min() + random_in(random, 0, width);
+    }
+  }
+  return out;
+}
+
+TEST_CASE("A group of tiles with more facets than are loaded at once has several bins, unless most facets would lie in many of them") {
+  const TempFolder folder;
+  std::mt19937_64 random(6);
+  const auto [rays, chunk] = GENERATE(table<int64_t, uint32_t>({{100, 16}, {70, 12}, {30, 64}, {27, 256}}));
+  const Metadata meta = tile_grid(1, Axis::uniform(0, 1, 0, rays, 0.5), Axis::uniform(2, 1, 0, rays / 2, 0.5), Axis::uniform(0, 1, 0, 8, 0), chunk);
+  for (const uint64_t expected : {uint64_t{0}, uint64_t{20'000}}) {
+    const std::vector<Added> facets = numbered(dense_facets(meta, random, 20'000, 10));
+    const auto bins = filled(meta, facets, folder, {.expected = expected});
+    uint64_t largest = 0;
+    bins->for_each_bin(GridRays(meta).root(), [&](const TreePlace& place) {
+      REQUIRE(place.depth < 0);
+      largest = std::max(largest, bins->facets(place));
+    });
+    REQUIRE(largest <= 1024);
+    expect_bins(meta, facets, *bins, unmoved);
+  }
+  const std::vector<Added> large = numbered(dense_facets(meta, random, 0, 2000));
+  const auto bins = filled(meta, large, folder);
+  uint64_t sum = 0;
+  bins->for_each_bin(GridRays(meta).root(), [&](const TreePlace& place) { sum += bins->facets(place); });
+  REQUIRE(sum < 2 * large.size());
+  expect_bins(meta, large, *bins, unmoved);
 }
 
 TEST_CASE("Facets that share a vertex share a bin, beside the grid too") {

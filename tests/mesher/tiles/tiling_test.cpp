@@ -172,8 +172,15 @@ TEST_CASE("A tile's facets come from the lowest to the highest along the rays, t
 TEST_CASE("Facets that lie in bins are handed to the tiles that facets in memory are handed to, loaded ahead or not", "[threads]") {
   const TempFolder folder;
   std::mt19937_64 random(5);
-  for (const Metadata& meta : tile_grids()) {
-    const std::vector<Facet> facets = facets_over(random, meta, 1200);  // a bin takes 1024
+  std::vector<Metadata> grids = tile_grids();
+  grids.push_back(tile_grid(0, Axis::uniform(0, 1, 0, 70, 0.5), Axis::uniform(0, 1, 0, 20, 0.5), Axis::uniform(0, 1, 0, 9, 0.5), 16));
+  for (const Metadata& meta : grids) {
+    std::vector<Facet> facets = facets_over(random, meta, 1200);  // a bin takes 1024
+    if (&meta == &grids.back())                                   // and here even a group has several
+      for (size_t i = 0; i < 9000; ++i) {
+        const Vec3 at = {random_in(random, 0, 9), random_in(random, 0, 70), random_in(random, 0, 20)};
+        facets.push_back({{at, {at[0] + 1, at[1] + random_in(random, 0, 1), at[2]}, {at[0], at[1], at[2] + random_in(random, 0, 1)}}});
+      }
     Given expected = given(meta, facets);
     for (const int ahead : {0, 3}) {
       auto bins = std::make_unique<FacetBins>(
