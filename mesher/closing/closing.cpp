@@ -30,7 +30,7 @@ std::vector<Flip> group_flips(const std::vector<BoundaryEdge>& edges, const Scen
   for (const BoundaryEdge& e : edges) graph.add({{e.from, e.to, e.to}}, false);
   std::vector<Flip> flips;
   for (const BoundaryEdge& e : edges) {
-    const auto [it, fresh] = group_of.try_emplace(graph.shell_of(e.from), flips.size());
+    const auto [it, fresh] = group_of.try_emplace(graph.shell_of(vertex_hash(e.from)), flips.size());
     if (fresh) flips.push_back({moved(e.from, body), 0});
     ++flips[it->second].edges;
   }

@@ -127,7 +127,7 @@ uint64_t SurfaceCounter::shells() {
   return vertices_.count();
 }
 
-uint32_t SurfaceCounter::shell_of(const Vec3& vertex) {
+uint32_t SurfaceCounter::shell_of(const VertexHash& vertex) {
   take_waiting();
   return vertices_.of(numbers_(vertex));
 }

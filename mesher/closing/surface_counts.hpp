@@ -89,7 +89,7 @@ class SurfaceCounter {
   uint64_t shells();                                   // groups of facets connected by equal vertices
   SurfaceCounts totals() { return {degenerate(), duplicates(), opposite(), shells()}; }
   // The shell of a vertex: the same number for all vertices of a shell. REQUIRES: a facet with that vertex was added.
-  uint32_t shell_of(const Vec3& vertex);
+  uint32_t shell_of(const VertexHash& vertex);
 
  private:
   struct Waiting {

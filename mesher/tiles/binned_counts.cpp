@@ -13,19 +13,27 @@ void BinnedCounter::Bin::add(const BinnedFacet& f) {
   const uint32_t body = body_of_layer(f.layer);
   if (!all_.wanted_[body]) return;
   counters_[body].add(f.facet, f.at_home);
-  if (f.shared) shared_.emplace_back(body, f.facet.vertex[0]);
+  if (f.bins == 1) return;
+  const std::array<VertexHash, 3> vertices = vertex_hashes(f.facet);
+  const uint64_t hash = FacetKey::low_of(vertices);
+  shared_.push_back({body, vertices[0], f.at_home ? (f.bins - 1) * hash : -hash});
 }
 
 void BinnedCounter::Bin::finish() {
   std::lock_guard lock(all_.mutex_);
   std::map<std::pair<uint32_t, uint32_t>, uint32_t> node_of;  // by body and shell within the bin
-  for (const auto& [b, vertex] : shared_) {
-    Body& body = all_.bodies_[b];
-    const uint32_t node = body.nodes(vertex);
-    if (node == body.shells.size()) body.shells.add();
-    const auto [in_bin, first_of_shell] = node_of.try_emplace({b, counters_[b].shell_of(vertex)}, node);
+  for (const Shared& f : shared_) {
+    Body& body = all_.bodies_[f.body];
+    const auto [node, is_new] = body.nodes.try_emplace(f.vertex, Node{body.shells.size()});
+    if (is_new) body.shells.add();
+    node->second.to_come += f.to_come;
+    const auto [in_bin, first_of_shell] = node_of.try_emplace({f.body, counters_[f.body].shell_of(f.vertex)}, node->second.number);
     if (first_of_shell) --body.totals.shells;
-    else body.shells.join(node, in_bin->second);
+    else body.shells.join(node->second.number, in_bin->second);
+  }
+  for (const Shared& f : shared_) {
+    auto& nodes = all_.bodies_[f.body].nodes;
+    if (const auto node = nodes.find(f.vertex); node != nodes.end() && node->second.to_come == 0) nodes.erase(node);
   }
   for (auto& [b, counter] : counters_) {
     SurfaceCounts& totals = all_.bodies_[b].totals;
@@ -42,6 +50,12 @@ std::vector<SurfaceCounts> BinnedCounter::totals() const {
     out.push_back(body.totals);
     out.back().shells += body.shells.count();
   }
+  return out;
+}
+
+size_t BinnedCounter::waiting() const {
+  size_t out = 0;
+  for (const Body& body : bodies_) out += body.nodes.size();
   return out;
 }
 

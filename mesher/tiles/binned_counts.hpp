@@ -2,6 +2,7 @@
 #pragma once
 #include <map>
 #include <mutex>
+#include <unordered_map>
 
 #include "mesher/closing/surface_counts.hpp"
 #include "mesher/tiles/bins.hpp"
@@ -9,8 +10,8 @@
 
 namespace teracell::mesher {
 
-// Memory: proportional to the number of facets that lie in several bins, and of shells. Threads may share it, each with its own
-// Bin objects.
+// Memory: proportional to the number of facets that lie in several bins of which some are done and some are not, and of shells; 4 bytes
+// more for each facet that lies in several bins. Threads may share it, each with its own Bin objects.
 class BinnedCounter {
  public:
   // Counts the bodies of which wanted[body] is true.
@@ -26,17 +27,34 @@ class BinnedCounter {
    private:
     BinnedCounter& all_;
     std::map<uint32_t, SurfaceCounter> counters_;    // by body
-    std::vector<std::pair<uint32_t, Vec3>> shared_;  // body and first vertex of each facet that lies in other bins too
+    struct Shared {
+      uint32_t body;
+      VertexHash vertex;  // the facet's first one
+      uint64_t to_come;   // as in Node
+    };
+    std::vector<Shared> shared_;  // facets that lie in other bins too
   };
   std::vector<SurfaceCounts> totals() const;
+  // How many vertices are kept because facets with them lie in bins that are still to come.
+  size_t waiting() const;
 
  private:
   // The shells within a bin that reach beyond it are nodes of a graph. A facet that lies in several bins joins the nodes of its
-  // shell in these bins.
+  // shell in these bins. It is known by its first vertex until all of its bins are done; later no facet with that vertex comes, since all of
+  // them lie in the vertex's bin.
+  struct Node {
+    uint32_t number;
+    // Of the facets with that vertex: a hash of each one that was at home, as often as it has other bins, less a hash of each one that was in
+    // another bin. It is 0 when all bins of all of them are done, and otherwise with a probability of 2^-64.
+    uint64_t to_come = 0;
+  };
+  struct LowHalf {
+    size_t operator()(const VertexHash& hash) const { return hash.low; }
+  };
   struct Body {
     SurfaceCounts totals;  // of shells only those within one bin
-    VertexNumbers nodes;   // of shared facets, by the first vertex
-    Groups shells;         // of nodes
+    std::unordered_map<VertexHash, Node, LowHalf> nodes;
+    Groups shells;  // of nodes
   };
   const std::vector<bool> wanted_;
   std::mutex mutex_;

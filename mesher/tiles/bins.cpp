@@ -66,6 +66,8 @@ FacetBins::FacetBins(const Metadata& meta, uint64_t facets, uint64_t whole, bool
     bins = bins_at(--fine_);
   const int first = std::max(fine_, 0);
   open(root_, first, room_in(memory / 16 / bins_at(first)));
+  rooms_ = bins_at(first) * room_in(memory / 16 / bins_at(first));
+  most_rooms_ = memory / 8;
 }
 
 size_t FacetBins::room_in(uint64_t bytes) const { return std::clamp<uint64_t>(bytes, kLeastBuffer, 1 << 20) / record_bytes_ * record_bytes_; }
@@ -156,15 +158,11 @@ void FacetBins::put(Bin& bin, const UnitRange& units, std::span<const uint8_t> r
     if (bin.buffer.empty()) bin.buffer.resize(whole_pages(bin.room));
     std::memcpy(bin.buffer.data() + bin.buffered, record.data(), record.size());
     bin.buffered += record.size();
-    if (bin.facets > most_facets_ && may_be_split(bin)) return split(bin);
+    if (bin.facets > most_facets_ && is_worth_splitting(bin) && rooms_ + room_below(bin) <= most_rooms_) return split(bin);
     if (bin.buffered >= bin.room) flush(bin);
     return;
   }
-  const int shift = rays_.shift(bin.place.depth - 1);
-  const uint32_t u = bin.place.cu * kFanOut, v = bin.place.cv * kFanOut;
-  const uint32_t first_u = std::max(units.first_u >> shift, u), last_u = std::min(units.last_u >> shift, u + kFanOut - 1);
-  const uint32_t first_v = std::max(units.first_v >> shift, v), last_v = std::min(units.last_v >> shift, v + kFanOut - 1);
-  if ((last_u - first_u + 1) * (last_v - first_v + 1) > kMostCopies && is_part(tag_in(record))) {
+  if (is_part(tag_in(record)) && children_of(bin, units).count() > kMostCopies) {
     const BinnedPart& part = part_in(record);
     std::array<uint8_t, 9 * sizeof(double) + 2 * sizeof(uint32_t)> buffer;
     const std::span<uint8_t> facet(buffer.data(), record_bytes_);
@@ -173,8 +171,26 @@ void FacetBins::put(Bin& bin, const UnitRange& units, std::span<const uint8_t> r
       put(bin, units_of(facet), facet);
     });
   }
-  for (uint32_t cv = first_v; cv <= last_v; ++cv)
-    for (uint32_t cu = first_u; cu <= last_u; ++cu) put(bin.children[(cv - v) * kFanOut + cu - u], units, record);
+  const Children in = children_of(bin, units);
+  for (uint32_t v = in.v0; v <= in.v1; ++v)
+    for (uint32_t u = in.u0; u <= in.u1; ++u) put(bin.children[v * kFanOut + u], units, record);
+}
+
+FacetBins::Children FacetBins::children_of(const Bin& bin, const UnitRange& units) const {
+  const int shift = rays_.shift(bin.place.depth - 1);
+  const uint32_t u = bin.place.cu * kFanOut, v = bin.place.cv * kFanOut;
+  return {std::max(units.first_u >> shift, u) - u, std::min((units.last_u >> shift) - u, kFanOut - 1), std::max(units.first_v >> shift, v) - v,
+          std::min((units.last_v >> shift) - v, kFanOut - 1)};
+}
+
+// How many bins below a node have a facet.
+uint32_t FacetBins::bins_of(const Bin& bin, const UnitRange& units) const {
+  if (bin.children.empty()) return 1;
+  uint32_t bins = 0;
+  const Children in = children_of(bin, units);
+  for (uint32_t v = in.v0; v <= in.v1; ++v)
+    for (uint32_t u = in.u0; u <= in.u1; ++u) bins += bins_of(bin.children[v * kFanOut + u], units);
+  return bins;
 }
 
 void FacetBins::flush(Bin& bin) {
@@ -188,16 +204,25 @@ void FacetBins::flush(Bin& bin) {
 }
 
 // The depth of the bins that a bin is split into.
-int FacetBins::below_of(int depth) const { return std::min(depth - 1, std::max(fine_, rays_.lowest)); }
+int FacetBins::below_of(int depth) const { return std::min(depth - 1, fine_); }
 
 // A group is split only where that leaves few facets in each bin: large ones would lie in all of them.
-bool FacetBins::may_be_split(const Bin& bin) const { return bin.place.depth > 0 || (bin.place.depth > rays_.lowest && bin.copies < bin.facets * 2); }
+bool FacetBins::is_worth_splitting(const Bin& bin) const {
+  return bin.place.depth > 0 || (bin.place.depth > rays_.lowest && bin.copies < bin.facets * 2);
+}
+
+// Of all the buffers of the bins that a bin would be split into.
+uint64_t FacetBins::room_below(const Bin& bin) const {
+  const int bits = 2 * kFanOutBits * (bin.place.depth - below_of(bin.place.depth));
+  return uint64_t{room_in(bin.room >> bits)} << bits;
+}
 
 void FacetBins::split(Bin& bin) {
   flush(bin);
   writer_.finish();
   Bin whole = std::move(bin);
   bin = {.place = whole.place};
+  rooms_ += room_below(whole);
   const int below = below_of(bin.place.depth);
   open(bin, below, room_in(whole.room >> (2 * kFanOutBits * (bin.place.depth - below))));
   take_records(whole, [&](std::span<const uint8_t> record) { put(bin, units_of(record), record); });
@@ -205,7 +230,18 @@ void FacetBins::split(Bin& bin) {
 
 void FacetBins::finish() {
   flush_all(root_);
+  split_large(root_);
   writer_.finish();
+}
+
+// Splits what was left whole because all its buffers would have taken too much memory, one bin after another.
+void FacetBins::split_large(Bin& bin) {
+  if (bin.children.empty() && bin.facets > most_facets_ && is_worth_splitting(bin)) {
+    rooms_ = 0;
+    split(bin);
+    flush_all(bin);
+  }
+  for (Bin& child : bin.children) split_large(child);
 }
 
 void FacetBins::flush_all(Bin& bin) {
@@ -238,9 +274,9 @@ void FacetBins::take(const TreePlace& place, const std::function<void(const Binn
   const uint64_t group_u = place.depth < 0 ? uint64_t{place.cu} << shift >> group << group : 0;
   const uint64_t group_v = place.depth < 0 ? uint64_t{place.cv} << shift >> group << group : 0;
   const auto take_facet = [&](const Facet& facet, uint32_t tag, uint32_t patch, const Facet& moved, const RayRange& range, const UnitRange& units) {
-    BinnedFacet out{facet, layer_in(tag), true, false, (tag & kNotOfFile) != 0, (tag & kIgnored) != 0, patch};
-    out.shared = !inside(units.first_u, units.first_v) || !inside(units.last_u, units.last_v);
-    if (out.shared) {
+    BinnedFacet out{facet, layer_in(tag), true, 1, (tag & kNotOfFile) != 0, (tag & kIgnored) != 0, patch};
+    if (!inside(units.first_u, units.first_v) || !inside(units.last_u, units.last_v)) {
+      out.bins = bins_of(root_, units);
       // A facet is at home in the bin of its least vertex, so facets with the same vertices have the same home.
       const Vec3& p = moved.vertex[std::ranges::min_element(out.facet.vertex) - out.facet.vertex.begin()];
       const UnitRange home = units_of(rays_.range_of({{p, p, p}}, out.layer));

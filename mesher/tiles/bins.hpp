@@ -19,7 +19,7 @@ struct BinnedFacet {
   Facet facet;     // in its file's coordinates
   uint32_t layer;  // of its body (closing.hpp)
   bool at_home;    // true in exactly one of the bins that it lies in
-  bool shared;     // it lies in several bins
+  uint32_t bins;   // that it lies in
   bool added;      // it closes a hole and is not in the body's file
   bool ignored;    // it counts for nothing
   uint32_t patch;  // as in SceneFacet; 0 if they are not kept
@@ -90,9 +90,18 @@ class FacetBins {
   UnitRange units_of(std::span<const uint8_t> record) const;
   uint64_t facets_here(const TreePlace& place, const UnitRange& units, const BinnedPart& part) const;
   void put(Bin& bin, const UnitRange& units, std::span<const uint8_t> record);
+  // The children [u0, u1] x [v0, v1] in which a facet with these units lies. REQUIRES: it lies in the bin.
+  struct Children {
+    uint32_t u0, u1, v0, v1;
+    uint32_t count() const { return (u1 - u0 + 1) * (v1 - v0 + 1); }
+  };
+  Children children_of(const Bin& bin, const UnitRange& units) const;
+  uint32_t bins_of(const Bin& bin, const UnitRange& units) const;
   void flush(Bin& bin);
   void flush_all(Bin& bin);
-  bool may_be_split(const Bin& bin) const;
+  void split_large(Bin& bin);
+  bool is_worth_splitting(const Bin& bin) const;
+  uint64_t room_below(const Bin& bin) const;
   void split(Bin& bin);
   size_t room_in(uint64_t bytes) const;
   int below_of(int depth) const;
@@ -119,6 +128,7 @@ class FacetBins {
   const size_t record_bytes_;
   const uint64_t most_facets_;  // of a bin that is loaded
   int fine_;  // the depth at which there are likely to be as many bins as are needed
+  uint64_t rooms_, most_rooms_;  // bytes of the buffers of all bins
   const Move move_;
   SpillFile file_;
   uint64_t end_ = 0;  // of the file, including what is not written yet

@@ -1,5 +1,7 @@
 // How much memory something takes while it works.
 #pragma once
+#include <malloc.h>
+
 #include "tests/support/test.hpp"
 
 namespace teracell::testing {
@@ -15,6 +17,7 @@ inline int64_t memory_now(const std::string& key) {
 // The resident memory at its peak while f() runs, above what there was before.
 template <class F>
 int64_t peak_memory_of(F&& f) {
+  ::malloc_trim(0);  // what earlier work has left would be used first
   std::ofstream("/proc/self/clear_refs") << "5";  // the peak begins anew
   const int64_t before = memory_now("VmRSS");
   f();

@@ -75,11 +75,11 @@ TEST_CASE("A facet that is at home elsewhere joins shells and is not counted") {
   out.add({{a, a, b}});
   out.add({{c, c, d}});
   REQUIRE(out.shells() == 2);
-  REQUIRE(out.shell_of(a) != out.shell_of(c));
+  REQUIRE(out.shell_of(vertex_hash(a)) != out.shell_of(vertex_hash(c)));
   out.add({{b, b, c}}, false);
   out.add({{b, b, c}}, false);
   REQUIRE(out.shells() == 1);
-  REQUIRE(out.shell_of(a) == out.shell_of(d));
+  REQUIRE(out.shell_of(vertex_hash(a)) == out.shell_of(vertex_hash(d)));
   REQUIRE(out.degenerate() == 2);
   REQUIRE(out.duplicates() == 0);
 }

@@ -21,7 +21,7 @@ struct Bins {
   void for_each(const Facet& f, F&& call) const {
     const auto [lo, hi] = std::minmax({bin_of(f.vertex[0]), bin_of(f.vertex[1]), bin_of(f.vertex[2])});
     const int home = bin_of(std::min({f.vertex[0], f.vertex[1], f.vertex[2]}));
-    for (int bin = lo; bin <= hi; ++bin) call(bin, BinnedFacet{f, 0, bin == home, lo != hi, false, false});
+    for (int bin = lo; bin <= hi; ++bin) call(bin, BinnedFacet{f, 0, bin == home, static_cast<uint32_t>(hi - lo + 1), false, false});
   }
 };
 
@@ -43,6 +43,7 @@ std::vector<Counted> by_bins(const std::vector<std::vector<Facet>>& bodies, cons
     for (const BinnedFacet& f : facets) bin.add(f);
     bin.finish();
   }
+  REQUIRE(survey.waiting() == 0);
   std::vector<Counted> out;
   for (const SurfaceCounts& t : survey.totals()) out.push_back(as_counted(t));
   return out;
@@ -81,8 +82,8 @@ TEST_CASE("Facets that close a hole are no facets of the file's") {
   BinnedCounter survey({true});
   BinnedCounter::Bin bin(survey, 2);
   const Facet f{{Vec3{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}};
-  bin.add({f, 0, true, false, false, false});
-  bin.add({f, 0, true, false, true, false});
+  bin.add({f, 0, true, 1, false, false});
+  bin.add({f, 0, true, 1, true, false});
   bin.finish();
   REQUIRE(as_counted(survey.totals()[0]) == Counted{0, 0, 0, 1});
 }
@@ -91,8 +92,8 @@ TEST_CASE("A facet that counts for nothing among the crossings is counted all th
   BinnedCounter survey({true});
   BinnedCounter::Bin bin(survey, 2);
   const Facet f{{Vec3{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}};
-  bin.add({f, 1, true, false, false, false});
-  bin.add({f, 1, true, false, false, true});
+  bin.add({f, 1, true, 1, false, false});
+  bin.add({f, 1, true, 1, false, true});
   bin.finish();
   REQUIRE(as_counted(survey.totals()[0]) == Counted{0, 1, 0, 1});
 }

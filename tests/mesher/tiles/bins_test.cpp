@@ -112,7 +112,7 @@ void expect_taken(const Metadata& meta, const std::vector<Added>& facets, const 
       REQUIRE(same_bits(t.moved, where));
       REQUIRE(t.facet.added == (added.origin != FacetBins::kOfFile));
       REQUIRE(t.facet.ignored == added.ignored);
-      REQUIRE(t.facet.shared == (taken[i].size() > 1));
+      REQUIRE(t.facet.bins == taken[i].size());
       const RayRange expected = added.ignored ? RayRange{} : rays.range_of(where, 0);
       REQUIRE((t.range.u0 == expected.u0 && t.range.u1 == expected.u1 && t.range.v0 == expected.v0 && t.range.v1 == expected.v1));
       homes += t.facet.at_home;

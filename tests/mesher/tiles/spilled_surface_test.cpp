@@ -2,6 +2,7 @@
 #include "store/base/error.hpp"
 #include "store/whole/verify.hpp"
 #include "tests/support/meshed.hpp"
+#include "tests/support/peak.hpp"
 
 namespace teracell::mesher {
 namespace {
@@ -75,6 +76,15 @@ TEST_CASE("A single group of tiles takes all facets, however many there are") {
   const MeshOptions options{.memory = 1};
   REQUIRE(mesh_quietly(scene, folder / "b.tcell", options)["spilled_bytes"] > 0);
   REQUIRE(bytes_of(folder / "a.tcell") == bytes_of(folder / "b.tcell"));
+}
+
+TEST_CASE("Facets far smaller than cells take no more memory than was given") {
+  const TempFolder folder;
+  const Grid grid{{Axis::uniform(-16, 1, 0, 32, 0.5), Axis::uniform(-16, 1, 0, 32, 0.5), Axis::uniform(-5, 1, 0, 10, 0.5)}};
+  const Scene scene = scene_of(folder, {{shapes::torus({0, 0, 0}, 11, 4, 1200, 500)}}, grid);  // 1.2 million, which take 80 MB in one bin
+  constexpr int64_t kMemory = 64 << 20;
+  const int64_t peak = peak_memory_of([&] { mesh_quietly(scene, folder / "a.tcell", {.threads = 2, .memory = kMemory}); });
+  if (!kSanitized) REQUIRE(peak < kMemory);
 }
 
 TEST_CASE("An OBJ whose vertices don't fit into the memory given makes the same file") {
