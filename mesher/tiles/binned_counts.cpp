@@ -15,7 +15,7 @@ void BinnedCounter::Bin::add(const BinnedFacet& f) {
   counters_[body].add(f.facet, f.at_home);
   if (f.bins == 1) return;
   const std::array<VertexHash, 3> vertices = vertex_hashes(f.facet);
-  const uint64_t hash = FacetKey::low_of(vertices);
+  const uint64_t hash = FacetKey::low_of(vertices) | 1;  // so no few times it is 0
   shared_.push_back({body, vertices[0], f.at_home ? (f.bins - 1) * hash : -hash});
 }
 

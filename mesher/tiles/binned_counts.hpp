@@ -45,7 +45,7 @@ class BinnedCounter {
   struct Node {
     uint32_t number;
     // Of the facets with that vertex: a hash of each one that was at home, as often as it has other bins, less a hash of each one that was in
-    // another bin. It is 0 when all bins of all of them are done, and otherwise with a probability of 2^-64.
+    // another bin. It is 0 when all bins of all of them are done, and otherwise hardly ever (2^-63).
     uint64_t to_come = 0;
   };
   struct LowHalf {

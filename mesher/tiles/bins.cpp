@@ -65,17 +65,18 @@ FacetBins::FacetBins(const Metadata& meta, uint64_t facets, uint64_t whole, bool
   for (uint64_t bins = 1; fine_ > rays_.lowest && bins * most_facets_ < facets * 3 / 2 && bins_at(fine_ - 1) <= memory / 8 / kLeastBuffer;)
     bins = bins_at(--fine_);
   const int first = std::max(fine_, 0);
-  open(root_, first, room_in(memory / 16 / bins_at(first)));
-  rooms_ = bins_at(first) * room_in(memory / 16 / bins_at(first));
+  const size_t room = room_in(memory / 16 / bins_at(first));
+  open(root_, first, room);
+  rooms_ = bins_at(first) * room;
   most_rooms_ = memory / 8;
 }
 
 size_t FacetBins::room_in(uint64_t bytes) const { return std::clamp<uint64_t>(bytes, kLeastBuffer, 1 << 20) / record_bytes_ * record_bytes_; }
 
-// Gives a bin all that lies below it down to a depth.
+// Gives a bin all that lies below it, and in the grid, down to a depth.
 void FacetBins::open(Bin& bin, int depth, size_t room) const {
   bin.room = room;
-  if (bin.place.depth <= depth) return;
+  if (bin.place.depth <= depth || bins_below(bin.place, depth) == 0) return;
   for (uint32_t k = 0; k < kChildren; ++k) {
     const TreePlace child = bin.place.child(k);
     bin.children.push_back({.place = child, .wanted = child.depth < 0 ? bin.wanted : range_.has_any(child.depth, child.cu, child.cv)});
@@ -83,10 +84,18 @@ void FacetBins::open(Bin& bin, int depth, size_t room) const {
   }
 }
 
-uint64_t FacetBins::bins_at(int depth) const {
+// How many nodes of a depth lie below a place, and in the grid.
+uint64_t FacetBins::bins_below(const TreePlace& place, int depth) const {
   const uint64_t size = rays_.size(depth);
-  return ((rays_.shape.nu + size - 1) / size) * ((rays_.shape.nv + size - 1) / size);
+  const int levels = kFanOutBits * (place.depth - depth);
+  const auto along = [&](uint64_t at, uint64_t rays) {
+    const uint64_t all = (rays + size - 1) / size, from = std::min(at << levels, all);
+    return std::min((at + 1) << levels, all) - from;
+  };
+  return along(place.cu, rays_.shape.nu) * along(place.cv, rays_.shape.nv);
 }
+
+uint64_t FacetBins::bins_at(int depth) const { return bins_below(rays_.root(), depth); }
 
 FacetBins::UnitRange FacetBins::units_of(const RayRange& r) const {
   const uint32_t u = rays_.shape.nu - 1, v = rays_.shape.nv - 1;
@@ -146,19 +155,19 @@ void FacetBins::put(Bin& bin, const UnitRange& units, std::span<const uint8_t> r
   constexpr uint32_t kMostCopies = 4;  // of a part's record among the children of a bin: more of them would read the part too often
   if (!bin.wanted) return;
   if (bin.children.empty()) {
-    const uint64_t facets = is_part(tag_in(record)) ? facets_here(bin.place, units, part_in(record)) : 1;
+    const bool part = is_part(tag_in(record));
+    const uint64_t facets = part ? facets_here(bin.place, units, part_in(record)) : 1;
     bin.facets += facets;
-    if (bin.place.depth > rays_.lowest) {
-      const int below = below_of(bin.place.depth), shift = rays_.shift(below), levels = kFanOutBits * (bin.place.depth - below);
-      const auto met = [&](uint32_t first, uint32_t last, uint32_t at) {
-        return std::min(last >> shift, ((at + 1) << levels) - 1) - std::max(first >> shift, at << levels) + 1;
-      };
-      bin.copies += facets * met(units.first_u, units.last_u, bin.place.cu) * met(units.first_v, units.last_v, bin.place.cv);
+    // A part's facets are spread when it is read, so each counts once.
+    if (bin.place.depth <= 0 && bin.place.depth > rays_.lowest) {
+      bin.copies += part ? facets : bins_met(bin.place, units, below(bin.place.depth));
+      bin.copies_next += part ? facets : bins_met(bin.place, units, bin.place.depth - 1);
     }
     if (bin.buffer.empty()) bin.buffer.resize(whole_pages(bin.room));
     std::memcpy(bin.buffer.data() + bin.buffered, record.data(), record.size());
     bin.buffered += record.size();
-    if (bin.facets > most_facets_ && is_worth_splitting(bin) && rooms_ + room_below(bin) <= most_rooms_) return split(bin);
+    if (bin.facets > most_facets_ && split_depth(bin) < bin.place.depth && rooms_ + rooms_of(bin.place, split_depth(bin), bin.room) <= most_rooms_)
+      return split(bin);
     if (bin.buffered >= bin.room) flush(bin);
     return;
   }
@@ -168,12 +177,19 @@ void FacetBins::put(Bin& bin, const UnitRange& units, std::span<const uint8_t> r
     const std::span<uint8_t> facet(buffer.data(), record_bytes_);
     return part.read([&](const Facet& f) {
       encode(f, part.layer, part.patch, facet);
-      put(bin, units_of(facet), facet);
+      const UnitRange of_facet = units_of(facet);
+      if (meets(bin.place, of_facet)) put(bin, of_facet, facet);
     });
   }
   const Children in = children_of(bin, units);
   for (uint32_t v = in.v0; v <= in.v1; ++v)
     for (uint32_t u = in.u0; u <= in.u1; ++u) put(bin.children[v * kFanOut + u], units, record);
+}
+
+bool FacetBins::meets(const TreePlace& place, const UnitRange& units) const {
+  const int shift = rays_.shift(place.depth);
+  const auto meets = [shift](uint64_t first, uint64_t last, uint32_t at) { return first >> shift <= at && last >> shift >= at; };
+  return meets(units.first_u, units.last_u, place.cu) && meets(units.first_v, units.last_v, place.cv);
 }
 
 FacetBins::Children FacetBins::children_of(const Bin& bin, const UnitRange& units) const {
@@ -183,7 +199,7 @@ FacetBins::Children FacetBins::children_of(const Bin& bin, const UnitRange& unit
           std::min((units.last_v >> shift) - v, kFanOut - 1)};
 }
 
-// How many bins below a node have a facet.
+// How many bins below a node have a facet, counting those outside the range.
 uint32_t FacetBins::bins_of(const Bin& bin, const UnitRange& units) const {
   if (bin.children.empty()) return 1;
   uint32_t bins = 0;
@@ -203,28 +219,38 @@ void FacetBins::flush(Bin& bin) {
   bin.buffer = {};
 }
 
-// The depth of the bins that a bin is split into.
-int FacetBins::below_of(int depth) const { return std::min(depth - 1, fine_); }
+int FacetBins::below(int depth) const { return std::min(depth - 1, fine_); }
 
-// A group is split only where that leaves few facets in each bin: large ones would lie in all of them.
-bool FacetBins::is_worth_splitting(const Bin& bin) const {
-  return bin.place.depth > 0 || (bin.place.depth > rays_.lowest && bin.copies < bin.facets * 2);
+// In how many nodes of a depth below a place something with these units lies. REQUIRES: it meets the place.
+uint64_t FacetBins::bins_met(const TreePlace& place, const UnitRange& units, int depth) const {
+  const int shift = rays_.shift(depth), levels = kFanOutBits * (place.depth - depth);
+  const auto met = [&](uint64_t first, uint64_t last, uint64_t at) {
+    return std::min(last >> shift, ((at + 1) << levels) - 1) - std::max(first >> shift, at << levels) + 1;
+  };
+  return met(units.first_u, units.last_u, place.cu) * met(units.first_v, units.last_v, place.cv);
 }
 
-// Of all the buffers of the bins that a bin would be split into.
-uint64_t FacetBins::room_below(const Bin& bin) const {
-  const int bits = 2 * kFanOutBits * (bin.place.depth - below_of(bin.place.depth));
-  return uint64_t{room_in(bin.room >> bits)} << bits;
+// The depth of the bins that a bin is to be split into, or its own. A group is split only where most facets then lie in one bin: large ones would
+// lie in all of them.
+int FacetBins::split_depth(const Bin& bin) const {
+  const int depth = bin.place.depth;
+  if (depth == rays_.lowest) return depth;
+  if (depth > 0 || bin.copies < 2 * bin.facets) return below(depth);
+  return bin.copies_next < 2 * bin.facets ? depth - 1 : depth;
 }
+
+// The buffer of each bin that a place with one buffer is divided into, and all of them.
+size_t FacetBins::room_of(const TreePlace& place, int depth, size_t room) const { return room_in(room / bins_below(place, depth)); }
+uint64_t FacetBins::rooms_of(const TreePlace& place, int depth, size_t room) const { return bins_below(place, depth) * room_of(place, depth, room); }
 
 void FacetBins::split(Bin& bin) {
   flush(bin);
   writer_.finish();
   Bin whole = std::move(bin);
   bin = {.place = whole.place};
-  rooms_ += room_below(whole);
-  const int below = below_of(bin.place.depth);
-  open(bin, below, room_in(whole.room >> (2 * kFanOutBits * (bin.place.depth - below))));
+  const int depth = split_depth(whole);
+  rooms_ += rooms_of(bin.place, depth, whole.room);
+  open(bin, depth, room_of(bin.place, depth, whole.room));
   take_records(whole, [&](std::span<const uint8_t> record) { put(bin, units_of(record), record); });
 }
 
@@ -236,8 +262,8 @@ void FacetBins::finish() {
 
 // Splits what was left whole because all its buffers would have taken too much memory, one bin after another.
 void FacetBins::split_large(Bin& bin) {
-  if (bin.children.empty() && bin.facets > most_facets_ && is_worth_splitting(bin)) {
-    rooms_ = 0;
+  if (bin.children.empty() && bin.facets > most_facets_ && split_depth(bin) < bin.place.depth) {
+    rooms_ = 0;  // all that was in buffers is written
     split(bin);
     flush_all(bin);
   }
@@ -276,11 +302,11 @@ void FacetBins::take(const TreePlace& place, const std::function<void(const Binn
   const auto take_facet = [&](const Facet& facet, uint32_t tag, uint32_t patch, const Facet& moved, const RayRange& range, const UnitRange& units) {
     BinnedFacet out{facet, layer_in(tag), true, 1, (tag & kNotOfFile) != 0, (tag & kIgnored) != 0, patch};
     if (!inside(units.first_u, units.first_v) || !inside(units.last_u, units.last_v)) {
-      out.bins = bins_of(root_, units);
       // A facet is at home in the bin of its least vertex, so facets with the same vertices have the same home.
       const Vec3& p = moved.vertex[std::ranges::min_element(out.facet.vertex) - out.facet.vertex.begin()];
       const UnitRange home = units_of(rays_.range_of({{p, p, p}}, out.layer));
       out.at_home = inside(home.first_u, home.first_v);
+      out.bins = out.at_home ? bins_of(root_, units) : 2;
       out.leads = place.depth >= 0 || inside(std::max<uint64_t>(units.first_u, group_u), std::max<uint64_t>(units.first_v, group_v));
     }
     f(out, moved, out.ignored ? RayRange{} : range);
@@ -299,9 +325,7 @@ void FacetBins::take(const TreePlace& place, const std::function<void(const Binn
       const Facet& moved = placed(of_part, part.layer, room);
       const RayRange range = rays_.range_of(moved, layer_in(part.layer));
       const UnitRange units = units_of(range);
-      const auto meets = [&](uint64_t first, uint64_t last, uint32_t at) { return first >> shift <= at && last >> shift >= at; };
-      const bool here = meets(units.first_u, units.last_u, place.cu) && meets(units.first_v, units.last_v, place.cv);
-      if (here) take_facet(of_part, part.layer, part.patch, moved, range, units);
+      if (meets(place, units)) take_facet(of_part, part.layer, part.patch, moved, range, units);
     });
   });
 }

@@ -1,5 +1,5 @@
 // Facets that don't fit into memory lie on disk in bins. A bin is a node of the tree of rays with so few facets that it can be
-// loaded: mostly it is one group of tiles or many, but where facets are smaller than cells it is a tile or a part of one. A facet
+// loaded: one group of tiles or many, or, of a group with very many facets that are small compared with it, a part. A facet
 // lies in every bin that has a ray that it may meet, and in the bins of its vertices. So facets that share a vertex share a bin,
 // and two bins are connected by the facets that lie in both.
 //
@@ -19,7 +19,7 @@ struct BinnedFacet {
   Facet facet;     // in its file's coordinates
   uint32_t layer;  // of its body (closing.hpp)
   bool at_home;    // true in exactly one of the bins that it lies in
-  uint32_t bins;   // that it lies in
+  uint32_t bins;   // that it lies in; where it is not at home, 2 stands for several
   bool added;      // it closes a hole and is not in the body's file
   bool ignored;    // it counts for nothing
   uint32_t patch;  // as in SceneFacet; 0 if they are not kept
@@ -39,15 +39,15 @@ class FacetBins {
  public:
   using Move = std::function<Facet(const Facet&, uint32_t layer)>;
   // For about `facets` facets, `whole` of them surely not in parts, in single precision if `float32`. `move` transforms a facet to where the grid
-  // sees it; none: all are there. A loaded bin takes about a sixteenth of the budget, and so do all buffers together while bins are filled. With
-  // `own_writer` another thread writes to the disk. If all fits into half of the budget, it stays in memory. `widened` bodies as in rays.hpp. Facets
-  // that lie outside `range` alone are dropped. `patches`: facets keep theirs.
+  // sees it; none: all are there. A loaded bin takes about a sixteenth of the budget, and all buffers together an eighth at most while bins are
+  // filled. With `own_writer` another thread writes to the disk. If all fits into half of the budget, it stays in memory. `widened` bodies as in
+  // rays.hpp. Facets that lie outside `range` alone are dropped. `patches`: facets keep theirs.
   FacetBins(const Metadata& meta, uint64_t facets, uint64_t whole, bool float32, const Budget& budget, bool own_writer, Move move,
             std::vector<uint8_t> widened, const TreeRange& range = {}, bool patches = false);
 
   // Where a facet comes from: the body's file, closing (in the file's coordinates), or closing (as the grid sees it).
   enum Origin { kOfFile, kAdded, kPlaced };
-  // make_ready() appends a facet to `out`, with the tile groups that it lies in, on any thread. add() takes what it appended, in pieces of whole
+  // make_ready() appends a facet to `out`, with the units that it lies in, on any thread. add() takes what it appended, in pieces of whole
   // facets. REQUIRES: the facet's coordinates are in single precision if those that are kept are.
   void make_ready(const Facet& facet, uint32_t layer, Origin origin, uint32_t patch, std::vector<uint8_t>& out) const;
   void add(std::span<const uint8_t> ready);
@@ -72,7 +72,8 @@ class FacetBins {
   struct Bin {
     TreePlace place;
     bool wanted = true;  // it lies in the range, at least in part
-    uint64_t facets = 0, copies = 0;  // copies: of its facets in the bins that it may be split into
+    uint64_t facets = 0;
+    uint64_t copies = 0, copies_next = 0;  // of a group's facets, or less than a group's, in the bins that it may be split into, at two depths
     size_t room = 0;  // of the buffer, in bytes
     std::vector<uint8_t> buffer;  // the first `buffered` bytes are used
     size_t buffered = 0;
@@ -81,6 +82,7 @@ class FacetBins {
   };
   const Bin& bin_at(const TreePlace& place) const;
   uint64_t bins_at(int depth) const;
+  uint64_t bins_below(const TreePlace& place, int depth) const;
   void open(Bin& bin, int depth, size_t room) const;
   // The units (rays.hpp) with a facet's rays and vertices. Unlike RayRange it includes the last ones.
   struct UnitRange {
@@ -88,6 +90,8 @@ class FacetBins {
   };
   UnitRange units_of(const RayRange& rays) const;
   UnitRange units_of(std::span<const uint8_t> record) const;
+  uint64_t bins_met(const TreePlace& place, const UnitRange& units, int depth) const;
+  bool meets(const TreePlace& place, const UnitRange& units) const;
   uint64_t facets_here(const TreePlace& place, const UnitRange& units, const BinnedPart& part) const;
   void put(Bin& bin, const UnitRange& units, std::span<const uint8_t> record);
   // The children [u0, u1] x [v0, v1] in which a facet with these units lies. REQUIRES: it lies in the bin.
@@ -99,12 +103,13 @@ class FacetBins {
   uint32_t bins_of(const Bin& bin, const UnitRange& units) const;
   void flush(Bin& bin);
   void flush_all(Bin& bin);
-  void split_large(Bin& bin);
-  bool is_worth_splitting(const Bin& bin) const;
-  uint64_t room_below(const Bin& bin) const;
+  int below(int depth) const;
+  int split_depth(const Bin& bin) const;
   void split(Bin& bin);
+  void split_large(Bin& bin);
   size_t room_in(uint64_t bytes) const;
-  int below_of(int depth) const;
+  size_t room_of(const TreePlace& place, int depth, size_t room) const;
+  uint64_t rooms_of(const TreePlace& place, int depth, size_t room) const;
   template <class F>
   void take_records(Bin& bin, F&& f);
   // A record is nine coordinates, a tag (the layer, with two bits for the origin), and the patch if patches are kept. The record of a part

@@ -59,7 +59,7 @@ struct TreePlace {
   TreePlace child(uint32_t k) const { return {depth - 1, cu * kFanOut + k % kFanOut, cv * kFanOut + k / kFanOut}; }
 };
 
-// Divides by the side of chunks or groups, which is mostly a power of two.
+// Divides by the side of chunks or units, which is mostly a power of two.
 class Side {
  public:
   explicit Side(uint32_t rays) : rays_(rays), shift_(std::has_single_bit(rays) ? std::countr_zero(rays) : kNone) {}

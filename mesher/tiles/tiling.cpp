@@ -103,7 +103,7 @@ Tiling::Tiling(std::unique_ptr<FacetBins> bins, BinnedCounter* counter, int ahea
 Tiling::Node Tiling::load(const TreePlace& place) const {
   const auto store = std::make_shared<GridFacets>();
   NodeBuilder node(rays_);
-  node.expect(bins_->facets(place));
+  node.expect(bins_->facets(place));  // none of a group with several bins: most of its facets meet no ray
   const bool kept = wanted(place);
   bins_->for_each_bin(place, [&](const TreePlace& bin) {
     std::optional<BinnedCounter::Bin> counts;

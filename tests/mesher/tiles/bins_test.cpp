@@ -112,7 +112,13 @@ void expect_taken(const Metadata& meta, const std::vector<Added>& facets, const 
       REQUIRE(same_bits(t.moved, where));
       REQUIRE(t.facet.added == (added.origin != FacetBins::kOfFile));
       REQUIRE(t.facet.ignored == added.ignored);
-      REQUIRE(t.facet.bins == taken[i].size());
+      REQUIRE((t.facet.at_home ? t.facet.bins == taken[i].size() : t.facet.bins > 1 && taken[i].size() > 1));
+      const uint64_t side = rays.size(t.place.depth);
+      const auto lies_along = [&](uint32_t first, uint32_t last, uint32_t count, uint64_t at) {  // in rays, the last one included
+        return std::min(first, count - 1) < (at + 1) * side && std::min(last, count - 1) >= at * side;
+      };
+      const RayRange lies = rays.range_of(where, 0);
+      REQUIRE((lies_along(lies.u0, lies.u1, rays.shape.nu, t.place.cu) && lies_along(lies.v0, lies.v1, rays.shape.nv, t.place.cv)));
       const RayRange expected = added.ignored ? RayRange{} : rays.range_of(where, 0);
       REQUIRE((t.range.u0 == expected.u0 && t.range.u1 == expected.u1 && t.range.v0 == expected.v0 && t.range.v1 == expected.v1));
       homes += t.facet.at_home;
@@ -164,17 +170,39 @@ TEST_CASE("Facets come back bit for bit from every bin with a ray that they meet
   }
 }
 
+// Facets far smaller than a cell.
+std::vector<Facet> dense_facets(std::mt19937_64& random, const Vec3& lo, const Vec3& hi, size_t count) {
+  std::vector<Facet> out(count);
+  for (Facet& f : out)
+    for (int d = 0; d < 3; ++d) {
+      const double at = random_in(random, lo[d], hi[d]);
+      for (Vec3& v : f.vertex) v[d] = at + random_in(random, 0, 0.2);
+    }
+  return out;
+}
+std::vector<Facet> large_facets(std::mt19937_64& random, const Vec3& lo, const Vec3& hi, size_t count) {
+  std::vector<Facet> out(count);
+  for (Facet& f : out)
+    for (Vec3& v : f.vertex)
+      for (int d = 0; d < 3; ++d) v[d] = random_in(random, lo[d], hi[d]);
+  return out;
+}
+
 TEST_CASE("A part lies in bins as its facets do, whether it is small or spread over the grid, beside facets of their own") {
   const TempFolder folder;
   std::mt19937_64 random(5);
   const auto [budget, move] = GENERATE(table<uint64_t, FacetBins::Move>({{1, unmoved}, {1, moved_if_odd}, {uint64_t{1} << 40, unmoved}}));
-  for (const Metadata& meta : tile_grids()) {
+  std::vector<Metadata> grids = tile_grids();
+  const Axis wide = Axis::uniform(0, 1, 0, 256, 0.5);
+  grids.push_back(tile_grid(2, wide, wide, wide, 4));
+  for (const Metadata& meta : grids) {
+    const bool across = &meta == &grids.back();  // parts of small facets lie across borders of large bins
     constexpr uint32_t kParts = 60, kFacets = 40;
     std::vector<Added> facets;
     std::map<std::string, uint32_t> numbers;  // by the bits of the facet
     for (uint32_t part = 0; part < kParts; ++part)
-      for (const Facet& f : facets_over(random, meta, kFacets)) {
-        facets.push_back({part % 3 == 0 || facets.size() % kFacets == 0 ? f : facets.back().facet, part});
+      for (Facet& f : across ? dense_facets(random, {100, 70, 100}, {150, 120, 150}, kFacets) : facets_over(random, meta, kFacets)) {
+        facets.push_back({part % 3 == 0 || facets.size() % kFacets == 0 || across ? f : facets.back().facet, part});
         if (part % 3 != 0)
           for (Vec3& v : facets.back().facet.vertex) v[facets.size() % 3] += 0.01 * static_cast<double>(1 + facets.size() % 7);
         const Facet& added = facets.back().facet;
@@ -209,7 +237,7 @@ TEST_CASE("A part lies in bins as its facets do, whether it is small or spread o
 TEST_CASE("A bin with more facets than are loaded at once is split, as far as the tree goes") {
   const TempFolder folder;
   const Axis axis = Axis::uniform(0, 1, 0, 130, 0.5);
-  const Metadata meta = tile_grid(2, axis, axis, axis, 2);  // units of 8 x 8 rays, a root of 512 x 512
+  const Metadata meta = tile_grid(2, axis, axis, axis, 2);  // groups of 8 x 8 rays, a root of 512 x 512
   const TreePlace root = GridRays(meta).root();
   REQUIRE(root.depth == 3);
   std::vector<Facet> facets(1024, Facet{{Vec3{1, 1, 1}, {3, 1, 1}, {1, 3, 1}}});
@@ -223,27 +251,17 @@ TEST_CASE("A bin with more facets than are loaded at once is split, as far as th
   REQUIRE(take_all(meta, *bins).size() == facets.size());
 }
 
-// Tetrahedra far smaller than a cell, all over a grid of two groups of tiles, and some facets as large as the grid.
-std::vector<Facet> dense_facets(const Metadata& meta, std::mt19937_64& random, int small, int large) {
-  std::vector<Facet> out;
-  for (int i = 0; i < small + large; ++i) {
-    Facet& f = out.emplace_back();
-    for (int d = 0; d < 3; ++d) {
-      const Axis& axis = meta.grid.axis[d];
-      const double width = axis.max() - axis.min(), at = random_in(random, axis.min(), axis.max());
-      for (Vec3& v : f.vertex) v[d] = i < small ? at + random_in(random, 0, 0.2) : axis.min() + random_in(random, 0, width);
-    }
-  }
-  return out;
-}
-
 TEST_CASE("A group of tiles with more facets than are loaded at once has several bins, unless most facets would lie in many of them") {
   const TempFolder folder;
   std::mt19937_64 random(6);
   const auto [rays, chunk] = GENERATE(table<int64_t, uint32_t>({{100, 16}, {70, 12}, {30, 64}, {27, 256}}));
   const Metadata meta = tile_grid(1, Axis::uniform(0, 1, 0, rays, 0.5), Axis::uniform(2, 1, 0, rays / 2, 0.5), Axis::uniform(0, 1, 0, 8, 0), chunk);
+  Vec3 lo, hi;
+  for (int d = 0; d < 3; ++d) lo[d] = meta.grid.axis[d].min(), hi[d] = meta.grid.axis[d].max();
   for (const uint64_t expected : {uint64_t{0}, uint64_t{20'000}}) {
-    const std::vector<Added> facets = numbered(dense_facets(meta, random, 20'000, 10));
+    std::vector<Facet> all = dense_facets(random, lo, hi, 20'000);
+    std::ranges::copy(large_facets(random, lo, hi, 10), std::back_inserter(all));
+    const std::vector<Added> facets = numbered(all);
     const auto bins = filled(meta, facets, folder, {.expected = expected});
     uint64_t largest = 0;
     bins->for_each_bin(GridRays(meta).root(), [&](const TreePlace& place) {
@@ -253,12 +271,22 @@ TEST_CASE("A group of tiles with more facets than are loaded at once has several
     REQUIRE(largest <= 1024);
     expect_bins(meta, facets, *bins, unmoved);
   }
-  const std::vector<Added> large = numbered(dense_facets(meta, random, 0, 2000));
+  const std::vector<Added> large = numbered(large_facets(random, lo, hi, 2000));
   const auto bins = filled(meta, large, folder);
   uint64_t sum = 0;
   bins->for_each_bin(GridRays(meta).root(), [&](const TreePlace& place) { sum += bins->facets(place); });
   REQUIRE(sum < 2 * large.size());
   expect_bins(meta, large, *bins, unmoved);
+
+  // A part is spread over bins, too.
+  const std::vector<Facet> of_part = dense_facets(random, lo, hi, 20'000);
+  FacetBins parts(meta, of_part.size(), 0, false, Budget{1, folder.path()}, false, unmoved, {});
+  parts.add({of_part.size(), lo, hi, 0, 0, [&](const auto& f) { std::ranges::for_each(of_part, f); }});
+  std::vector<uint8_t> ready;
+  for (const Facet& f : dense_facets(random, lo, hi, 1500)) parts.make_ready(f, 0, FacetBins::kOfFile, 0, ready);
+  parts.add(ready);
+  parts.finish();
+  parts.for_each_bin(GridRays(meta).root(), [&](const TreePlace& place) { REQUIRE(parts.facets(place) <= 1024); });
 }
 
 TEST_CASE("Facets that share a vertex share a bin, beside the grid too") {
