@@ -35,7 +35,7 @@ class BinnedCounter {
     std::vector<Shared> shared_;  // facets that lie in other bins too
   };
   std::vector<SurfaceCounts> totals() const;
-  // How many vertices are kept because facets with them lie in bins that are still to come.
+  // How many vertices are kept because facets with them lie in bins that are still to come: for tests.
   size_t waiting() const;
 
  private:

@@ -171,7 +171,8 @@ void FacetBins::put(Bin& bin, const UnitRange& units, std::span<const uint8_t> r
     if (bin.buffered >= bin.room) flush(bin);
     return;
   }
-  if (is_part(tag_in(record)) && children_of(bin, units).count() > kMostCopies) {
+  const Children in = children_of(bin, units);
+  if (in.count() > kMostCopies && is_part(tag_in(record))) {
     const BinnedPart& part = part_in(record);
     std::array<uint8_t, 9 * sizeof(double) + 2 * sizeof(uint32_t)> buffer;
     const std::span<uint8_t> facet(buffer.data(), record_bytes_);
@@ -181,7 +182,6 @@ void FacetBins::put(Bin& bin, const UnitRange& units, std::span<const uint8_t> r
       if (meets(bin.place, of_facet)) put(bin, of_facet, facet);
     });
   }
-  const Children in = children_of(bin, units);
   for (uint32_t v = in.v0; v <= in.v1; ++v)
     for (uint32_t u = in.u0; u <= in.u1; ++u) put(bin.children[v * kFanOut + u], units, record);
 }
