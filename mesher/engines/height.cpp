@@ -21,15 +21,16 @@ bool FacetHeight::above(double u, double v, double w, uint64_t& exact) const {
 
 void FacetHeight::first_cells(std::span<const double> u, double v, uint32_t* cells, uint64_t& exact) const {
   if (flat_) {
-    std::fill_n(cells, u.size(), static_cast<uint32_t>(axis_.first_centre_from(w0_)));
+    std::fill_n(cells, u.size(), static_cast<uint32_t>(axis_.first_centre_from(plane_.w0)));
     return;
   }
-  const double base = w0_ + gv_ * (v - v0_);
+  const double base = plane_.w0 + plane_.gv * (v - plane_.v0);
   if (!axis_.is_graded() && cell_slack_ < 0.25) {
+    constexpr size_t kBlock = 8;
     constexpr double kRound = 0x1.8p52;  // adding and subtracting it rounds to the nearest integer
     const double most = static_cast<double>(axis_.cells()) - 0.5, min = axis_.origin();
     const auto height = [=, this](double ray)
-                            TERACELL_IN_LINE { return std::clamp((base + gu_ * (ray - u0_) - min) * per_cell_ - offset_, -0.5, most); };
+                            TERACELL_IN_LINE { return std::clamp((base + plane_.gu * (ray - plane_.u0) - min) * units_.per_cell - units_.offset, -0.5, most); };
     double closest = 1;
     on_vector_unit([=, &u, &closest]() TERACELL_IN_LINE {
       // Most rows are no longer than two or three vectors, so what is left of them is no loop of its own: the last block overlaps the one before.
@@ -67,10 +68,10 @@ void FacetHeight::first_cells(std::span<const double> u, double v, uint32_t* cel
   }
   for (size_t i = 0; i < u.size(); ++i) {  // a graded axis, or a facet too steep for the bound
     int64_t lo = 0, hi = axis_.cells();
-    if (slack_ < HUGE_VAL) {
-      const double w = base + gu_ * (u[i] - u0_);
-      lo = axis_.first_centre_from(w - slack_);
-      hi = axis_.first_centre_from(std::nextafter(w + slack_, HUGE_VAL));
+    if (plane_.slack < HUGE_VAL) {
+      const double w = base + plane_.gu * (u[i] - plane_.u0);
+      lo = axis_.first_centre_from(w - plane_.slack);
+      hi = axis_.first_centre_from(std::nextafter(w + plane_.slack, HUGE_VAL));
     }
     while (lo < hi) {
       const int64_t middle = (lo + hi) / 2;
@@ -82,7 +83,7 @@ void FacetHeight::first_cells(std::span<const double> u, double v, uint32_t* cel
 }
 
 void FacetHeight::first_sub_positions(std::span<const double> u, double v, const uint32_t* cells, uint32_t* subs, uint64_t& exact) const {
-  const double base = w0_ + gv_ * (v - v0_);
+  const double base = plane_.w0 + plane_.gv * (v - plane_.v0);
   const auto last = static_cast<uint32_t>(axis_.cells() - 1);
   const auto between = [&](uint32_t cell) { return cell - 1 < last; };  // two sample points
   if (flat_ || axis_.is_graded() || !(cell_slack_ < 0.25 / kSubPositions)) {
@@ -93,7 +94,7 @@ void FacetHeight::first_sub_positions(std::span<const double> u, double v, const
   const double bound = 2 * cell_slack_ * kSubPositions, min = axis_.origin();
   double closest = 1;
   const auto place = [&](size_t i) {
-    const double t = (base + gu_ * (u[i] - u0_) - min) * per_cell_ - offset_;
+    const double t = (base + plane_.gu * (u[i] - plane_.u0) - min) * units_.per_cell - units_.offset;
     return std::clamp((t - (static_cast<int32_t>(cells[i]) - 1)) * kSubPositions, 0.0, double{kSubPositions});
   };
   for (size_t i = 0; i < u.size(); ++i) {
@@ -115,17 +116,17 @@ void FacetHeight::first_sub_positions(std::span<const double> u, double v, const
 uint32_t FacetHeight::first_sub_position(double u, double v, uint32_t cell, uint64_t& exact) const {
   const double lower = axis_.centre(int64_t{cell} - 1), upper = axis_.centre(cell);
   int64_t below = 0, from = kSubPositions;  // the first one above lies in (below, from]
-  if (flat_ || slack_ < HUGE_VAL) {
-    const double w = flat_ ? w0_ : w0_ + gv_ * (v - v0_) + gu_ * (u - u0_);
+  if (flat_ || plane_.slack < HUGE_VAL) {
+    const double w = flat_ ? plane_.w0 : plane_.w0 + plane_.gv * (v - plane_.v0) + plane_.gu * (u - plane_.u0);
     const double per = kSubPositions / (upper - lower), x = (w - lower) * per;
-    const double bound = ((flat_ ? 0 : slack_) + 8 * kRoundoff * (std::abs(lower) + std::abs(upper) + std::abs(w))) * per + 1e-9;
+    const double bound = ((flat_ ? 0 : plane_.slack) + 8 * kRoundoff * (std::abs(lower) + std::abs(upper) + std::abs(w))) * per + 1e-9;
     below = static_cast<int64_t>(std::clamp(std::floor(x - bound), 0.0, kSubPositions - 1.0));
     from = static_cast<int64_t>(std::clamp(std::ceil(x + bound), static_cast<double>(below + 1), double{kSubPositions}));
   }
   while (from - below > 1) {
     const int64_t middle = (below + from) / 2;
     const double q = sub_position(axis_, int64_t{cell} - 1, static_cast<uint32_t>(middle));
-    (flat_ ? q >= w0_ : above(u, v, q, exact)) ? from = middle : below = middle;
+    (flat_ ? q >= plane_.w0 : above(u, v, q, exact)) ? from = middle : below = middle;
   }
   return static_cast<uint32_t>(from);
 }

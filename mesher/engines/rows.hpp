@@ -40,6 +40,8 @@ class RayFinder {
   static constexpr double kRound = 0x1.8p52;
   // How close to a ray a place must be for rounding to matter, if that of x itself is right; 1 if the rays are not evenly spaced.
   double slack() const { return slack_; }
+  // That of any edge whose ends have the sum `u` of absolute coordinates at most.
+  TERACELL_IN_LINE static double slack(double u) { return 9 * kRoundoff * u; }
   double per_ray() const { return per_ray_; }
 
   // The first ray at or above x.
@@ -66,24 +68,17 @@ class FacetEdge {
   FacetEdge() = default;
   FacetEdge(const Vec3& lo, const Vec3& hi, const RayFrame& f)
       : lo_u_(lo[f.u]), lo_v_(lo[f.v]), hi_u_(hi[f.u]), hi_v_(hi[f.v]), slope_((hi_u_ - lo_u_) / (hi_v_ - lo_v_)) {
-    // u(v) = lo_u + (v - lo_v) * slope: six roundings relative to at most |hi_u - lo_u|, and one relative to |lo_u| more. An edge
-    // of constant u is exact.
-    constexpr double kUnit = 0x1p-53;  // the unit roundoff
-    slack_ = hi_u_ == lo_u_ ? 0 : 9 * kUnit * (std::abs(lo_u_) + std::abs(hi_u_));
+    // u(v) = lo_u + (v - lo_v) * slope has six roundings relative to at most |hi_u - lo_u|, and one relative to |lo_u| more. An
+    // edge of constant u is exact.
+    slack_ = hi_u_ == lo_u_ ? 0 : slack(std::abs(lo_u_) + std::abs(hi_u_));
   }
 
-  // Where the edge meets the row v, with an error of slack() at most if lo_v <= v <= hi_v.
-  TERACELL_IN_LINE double at(double v) const { return lo_u_ + (v - lo_v_) * slope_; }
-  double slack() const { return slack_; }
-  // Which of two edges, without a branch: `first` if it is to be the first.
-  TERACELL_IN_LINE static double at(double v, bool is_first, const FacetEdge& first, const FacetEdge& second) {
-    const double u = is_first ? first.lo_u_ : second.lo_u_, lo = is_first ? first.lo_v_ : second.lo_v_;
-    return u + (v - lo) * (is_first ? first.slope_ : second.slope_);
-  }
+  // The error of u(v) between lo_v and hi_v, for any edge between ends whose |u| have this sum at most.
+  TERACELL_IN_LINE static double slack(double sum) { return 9 * kRoundoff * sum; }
 
   // The first ray of the row v that passes on the right of the edge. REQUIRES: lo_v <= v <= hi_v.
   [[gnu::noinline]] uint32_t first_right(double v, const RayFinder& rays, uint64_t& exact) const {
-    const double u = at(v);
+    const double u = lo_u_ + (v - lo_v_) * slope_;
     uint32_t i = rays.from(u - slack_);
     while (i < rays.size() && rays[i] <= u + slack_) {
       if (slack_ == 0) break;
@@ -118,7 +113,7 @@ class FacetRows {
     begin_ = rows.from((*lo)[f.v]);
     end_ = rows.from((*hi)[f.v]);
     if (begin_ == end_) return;
-    turn_ = std::clamp(rows.from((*mid)[f.v]), begin_, end_), turn_v_ = (*mid)[f.v];
+    turn_ = std::clamp(rows.from((*mid)[f.v]), begin_, end_);
     // One of the shorter edges may have no rows, and perhaps no height. That is seldom known before, and costs less than a branch.
     longest_ = FacetEdge(*lo, *hi, f), lower_ = FacetEdge(*lo, *mid, f), upper_ = FacetEdge(*mid, *hi, f);
   }
@@ -133,34 +128,8 @@ class FacetRows {
     return {std::min(a, b), std::max(a, b), (a < b) != odd_};
   }
 
-  // For the rows with the coordinates v[0] to v[kRows - 1]: where their rays begin and end, a[i] and b[i], in either order. Returns how far at
-  // most the edges are from the middle between two rays, in units of rays: unless that is less than 0.5 - slack(rays), only at() can say. What is
-  // written and returned for rows that do not meet the facet has no meaning.
-  template <size_t kRows>
-  TERACELL_IN_LINE double edges(const double* v, const RayFinder& rays, uint64_t* a, uint64_t* b) const {
-    constexpr double kRound = RayFinder::kRound;
-    double far[kRows];
-#pragma GCC unroll 1
-    for (size_t i = 0; i < kRows; ++i) {
-      const double s = rays.place_of(longest_.at(v[i])), t = rays.place_of(FacetEdge::at(v[i], v[i] < turn_v_, lower_, upper_));
-      const double sum_s = s + kRound, sum_t = t + kRound;
-      a[i] = std::bit_cast<uint64_t>(sum_s) & 0xffffffff, b[i] = std::bit_cast<uint64_t>(sum_t) & 0xffffffff;
-      far[i] = std::max(std::abs(s - (sum_s - kRound)), std::abs(t - (sum_t - kRound)));
-    }
-    for (size_t half = kRows / 2; half > 0; half /= 2)
-      for (size_t i = 0; i < half; ++i) far[i] = std::max(far[i], far[i + half]);
-    return far[0];
-  }
-  double slack(const RayFinder& rays) const {
-    const double most = std::max(longest_.slack(), std::max(lower_.slack(), upper_.slack()));
-    const double slack = most * rays.per_ray() * (1 + 0x1p-50) + rays.slack();
-    return slack < 0.25 ? slack : 1;
-  }
-  bool odd() const { return odd_; }
-
  private:
   uint32_t begin_, turn_ = 0, end_;
-  double turn_v_ = 0;  // of the vertex where lower_ ends
   bool odd_ = false;  // the permutation that sorts the vertices by v is odd
   FacetEdge longest_, lower_, upper_;
 };

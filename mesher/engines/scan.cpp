@@ -9,9 +9,10 @@
 //
 // After S. Patil, B. Ravi, "Voxel-based representation, display and thickness analysis of intricate shapes" (2005) and the
 // division-free ray casting of T. Ma, T. Ma, L. Hao (MSAM 2020); the error bounds are ours.
+#include <optional>
+
 #include "mesher/engines/engines.hpp"
-#include "mesher/engines/height.hpp"
-#include "mesher/engines/rows.hpp"
+#include "mesher/engines/facet_block.hpp"
 
 namespace teracell::mesher {
 
@@ -20,20 +21,26 @@ class ScanEngine : public Engine {
   void cast(const Tile& tile, std::span<const SceneFacet* const> facets, Crossings& out) override;
 
  private:
-  struct Span {  // rays [from, to) of a row that cross a facet
-    uint32_t facet, row, from, to;
-    bool up;
+  struct Span {  // rays [from, to) of a row that cross a facet, in two words as BlockRows::rays_of() writes them
+    uint64_t of, rays;
+    static uint64_t pack(uint32_t facet, uint32_t row, bool up) { return uint64_t{facet} << 32 | row << 1 | up; }
+    uint32_t facet() const { return static_cast<uint32_t>(of >> 32); }
+    uint32_t row() const { return static_cast<uint32_t>(of) >> 1; }
+    bool up() const { return (of & 1) != 0; }
+    uint32_t from() const { return static_cast<uint32_t>(rays); }
+    uint32_t to() const { return static_cast<uint32_t>(rays >> 32); }
   };
   void find_spans(const Tile& tile, std::span<const SceneFacet* const> facets);
   void find_heights(const Tile& tile, std::span<const SceneFacet* const> facets, Crossings& out);
-  [[gnu::noinline]] void decide(std::span<const Span> spans, const Tile& tile, const SceneFacet& facet, const FacetHeight& height, Crossings& out);
+  [[gnu::noinline]] void decide(std::span<const Span> spans, const Tile& tile, std::span<const SceneFacet* const> facets, uint64_t* crossings);
 
   std::vector<Span> spans_;  // the first found_ of them
   size_t found_ = 0;
   std::vector<double> u_, v_;  // of the tile, and some more of the last
   std::vector<int32_t> counts_;
   std::vector<uint32_t> next_, cells_;
-  std::vector<uint64_t> of_row_;
+  std::vector<uint64_t> crossings_;  // of some spans, and the ray of each
+  std::vector<uint32_t> rays_;
 };
 
 void ScanEngine::cast(const Tile& tile, std::span<const SceneFacet* const> facets, Crossings& out) {
@@ -58,87 +65,113 @@ void ScanEngine::cast(const Tile& tile, std::span<const SceneFacet* const> facet
 }
 
 void ScanEngine::find_spans(const Tile& tile, std::span<const SceneFacet* const> facets) {
-  constexpr uint32_t kBlock = 8;  // rows at once
+  constexpr uint32_t kFacets = FacetBlock::kFacets, kRows = BlockRows::kRows, kRoom = 256;
   const RayFinder rays(tile.u), rows(tile.v);
   const size_t stride = tile.u.size() + 1;
   counts_.assign(stride * rows.size(), 0);
   v_.assign(tile.v.begin(), tile.v.end());
-  v_.resize(tile.v.size() + kBlock, tile.v.back());
+  v_.resize(tile.v.size() + kRows, tile.v.back());
   size_t found = 0;
   on_vector_unit([&, v = v_.data(), counts = counts_.data()]() TERACELL_IN_LINE {
-    for (uint32_t index = 0; index < facets.size(); ++index) {
+    // Rows are gathered first, since facets meet different numbers of them: a loop over those of each would end where no processor expects it.
+    uint64_t of[kRoom], met[kRoom];
+    uint32_t gathered = 0;
+    const auto add_gathered = [&]() TERACELL_IN_LINE {
+      if (spans_.size() < found + kRoom) spans_.resize(2 * (found + kRoom));
+      Span* next = spans_.data() + found;
+      for (uint32_t k = 0, n = gathered; k < n; ++k) {
+        const Span span = {of[k], met[k]};
+        *next = span;
+        next += span.from() != span.to();  // nearly a third of the rows of small facets have no ray
+        int32_t* const count = counts + span.row() * stride;
+        ++count[span.from()];
+        --count[span.to()];
+      }
+      found = static_cast<size_t>(next - spans_.data());
+      gathered = 0;
+    };
+    const auto gather_exactly = [&](uint32_t index, uint32_t begin, uint32_t end) {
+      const FacetRows facet(facets[index]->facet, tile.frame, rows);
+      for (uint32_t row = std::max(begin, facet.begin()); row < std::min(end, facet.end()); ++row) {
+        const FacetRows::Rays r = facet.at(row, v[row], rays, exact_decisions_);
+        of[gathered] = Span::pack(index, row, r.up), met[gathered] = uint64_t{r.to} << 32 | r.from;
+        if (++gathered > kRoom - kRows) add_gathered();
+      }
+    };
+    for (uint32_t first = 0; first < facets.size(); first += kFacets) {
       // Facets come in the order of their heights and lie scattered in memory. Without prefetching, waiting for them took a quarter
       // of the time of this loop.
-      constexpr uint32_t kAhead = 8;
-      if (index + kAhead < facets.size()) {
-        const Facet& coming = facets[index + kAhead]->facet;
+      for (size_t i = first + kFacets; i < std::min<size_t>(first + 2 * kFacets, facets.size()); ++i) {
+        const Facet& coming = facets[i]->facet;
         __builtin_prefetch(&coming.vertex[0]);
         __builtin_prefetch(&coming.vertex[2][2]);
       }
-      const FacetRows facet(facets[index]->facet, tile.frame, rows);
-      const uint32_t end = facet.end();
-      if (facet.begin() == end) continue;
-      if (spans_.size() < found + tile.v.size()) spans_.resize(2 * (found + tile.v.size()));
-      Span* next = spans_.data() + found;
-      // Nearly half of the rows of small facets have no ray. They are written over, without a branch.
-      const auto add = [&](uint32_t row, const FacetRows::Rays& met) TERACELL_IN_LINE {
-        *next = {index, row, met.from, met.to, met.up};
-        next += met.from != met.to;
-        int32_t* const count = counts + row * stride;
-        ++count[met.from];
-        --count[met.to];
-      };
-      const double close = 0.5 - facet.slack(rays);
-      for (uint32_t row = facet.begin(); row < end; row += kBlock) {
-        uint64_t a[kBlock], b[kBlock];
-        const uint32_t count = std::min(end - row, kBlock);
-        const double far = count <= kBlock / 2 ? facet.edges<kBlock / 2>(v + row, rays, a, b) : facet.edges<kBlock>(v + row, rays, a, b);
-        if (far < close)
-          for (uint32_t i = 0; i < count; ++i)
-            add(row + i, {static_cast<uint32_t>(std::min(a[i], b[i])), static_cast<uint32_t>(std::max(a[i], b[i])), (a[i] < b[i]) != facet.odd()});
-        else
-          for (uint32_t i = 0; i < count; ++i) add(row + i, facet.at(row + i, v[row + i], rays, exact_decisions_));
+      const BlockRows block(FacetBlock(facets.subspan(first), tile.frame), rays, rows);
+      for (uint32_t i = 0; i < std::min<size_t>(kFacets, facets.size() - first); ++i) {
+        if (block.is_sure[i] == 0) {
+          gather_exactly(first + i, 0, rows.size());
+          continue;
+        }
+        const auto end = static_cast<uint32_t>(block.end[i]);
+        for (auto row = static_cast<uint32_t>(block.begin[i]); row < end; row += kRows) {
+          const bool is_sure = block.rays_of(i, v + row, Span::pack(first + i, row, false), rays, of + gathered, met + gathered);
+          if (is_sure) gathered += std::min(end - row, kRows);
+          else gather_exactly(first + i, row, row + kRows);
+          if (gathered > kRoom - kRows) add_gathered();
+        }
       }
-      found = static_cast<size_t>(next - spans_.data());
     }
+    add_gathered();
   });
   found_ = found;
 }
 
 void ScanEngine::find_heights(const Tile& tile, std::span<const SceneFacet* const> facets, Crossings& out) {
-  const size_t nu = tile.u.size();
+  constexpr uint32_t kFacets = FacetBlock::kFacets, kRays = BlockHeights::kRays;
+  const auto nu = static_cast<uint32_t>(tile.u.size());
+  const size_t room = std::max<size_t>(192, nu) + kRays;
   u_.assign(tile.u.begin(), tile.u.end());
-  u_.resize(nu + FacetHeight::kBlock, tile.u.back());
+  u_.resize(nu + kRays, tile.u.back());
   cells_.resize(nu);
-  of_row_.resize(nu + FacetHeight::kBlock);
-  on_vector_unit([&, nu, all = out.all.data(), next = next_.data(), of_row = of_row_.data()]() TERACELL_IN_LINE {
-    for (size_t first = 0, s; first < found_; first = s) {
-      const uint32_t index = spans_[first].facet;
-      const SceneFacet& facet = *facets[index];
-      const FacetHeight height(facet.facet, tile.frame, *tile.axis);
-      const bool plain = height.is_plain();
-      FacetHeight::Far far{};
-      for (s = first; s < found_ && spans_[s].facet == index; ++s) {
-        const Span& span = spans_[s];
-        const uint32_t size = span.to - span.from;
-        const uint64_t rest = Crossing::pack(0, facet.layer, span.up);
-        if (plain) height.plain_crossings(u_.data() + span.from, size, tile.v[span.row], rest, of_row, far);
-        uint32_t* const place = next + span.row * nu + span.from;
-        for (uint32_t i = 0; i < size; ++i) all[place[i]++] = of_row[i];
+  crossings_.resize(room);
+  rays_.resize(room);
+  const CellUnits cells(*tile.axis);
+  const bool is_graded = tile.axis->is_graded();
+  on_vector_unit([&, nu, all = out.all.data(), next = next_.data(), crossings = crossings_.data(), rays = rays_.data(), u = u_.data()]() TERACELL_IN_LINE {
+    for (size_t s = 0; s < found_;) {
+      const uint32_t first_facet = spans_[s].facet() / kFacets * kFacets;
+      const BlockHeights heights(FacetBlock(facets.subspan(first_facet), tile.frame), cells);
+      const auto is_in_block = [&](const Span& span) TERACELL_IN_LINE { return span.facet() - first_facet < kFacets; };
+      while (s < found_ && is_in_block(spans_[s])) {
+        // Crossings are gathered first, as rows were.
+        const size_t first = s;
+        size_t gathered = 0;
+        BlockHeights::Far far{};
+        for (; s < found_; ++s) {
+          const Span span = spans_[s];
+          const size_t size = span.to() - span.from();
+          if (!is_in_block(span) || gathered + size + kRays > room) break;
+          const uint32_t ray = span.row() * nu + span.from();
+          heights.cross(span.facet() - first_facet, u + span.from(), size, tile.v[span.row()], span.up(), ray, crossings + gathered, rays + gathered, far);
+          gathered += size;
+        }
+        if (is_graded || *std::max_element(far.begin(), far.end()) >= 0.5) decide({&spans_[first], s - first}, tile, facets, crossings);
+        for (size_t k = 0; k < gathered; ++k) all[next[rays[k]]++] = crossings[k];
       }
-      if (!plain || height.is_close(far)) decide({spans_.data() + first, s - first}, tile, facet, height, out);
     }
   });
 }
 
-// Writes over the crossings of a facet, which are the last ones that its rays have so far, what exact arithmetic decides where doubles can't.
-void ScanEngine::decide(std::span<const Span> spans, const Tile& tile, const SceneFacet& facet, const FacetHeight& height, Crossings& out) {
+// Writes over the crossings of these spans, of which there is a close one.
+void ScanEngine::decide(std::span<const Span> spans, const Tile& tile, std::span<const SceneFacet* const> facets, uint64_t* crossings) {
+  std::optional<FacetHeight> height;
+  uint32_t facet = 0;
   for (const Span& span : spans) {
-    const std::span<const double> u(tile.u.data() + span.from, span.to - span.from);
-    height.first_cells(u, tile.v[span.row], cells_.data(), exact_decisions_);
-    const uint32_t* const behind = next_.data() + span.row * tile.u.size() + span.from;
-    const uint64_t rest = Crossing::pack(0, facet.layer, span.up);
-    for (uint32_t i = 0; i < u.size(); ++i) out.all[behind[i] - 1] = uint64_t{cells_[i]} << 32 | rest;
+    if (!height || span.facet() != facet) height.emplace(facets[facet = span.facet()]->facet, tile.frame, *tile.axis);
+    const std::span<const double> u(tile.u.data() + span.from(), span.to() - span.from());
+    height->first_cells(u, tile.v[span.row()], cells_.data(), exact_decisions_);
+    const uint64_t rest = Crossing::pack(0, facets[facet]->layer, span.up());
+    for (uint32_t i = 0; i < u.size(); ++i) *crossings++ = uint64_t{cells_[i]} << 32 | rest;
   }
 }
 

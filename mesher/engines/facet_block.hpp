@@ -1,0 +1,157 @@
+// Facets, a block of them at once: what doubles say about the rays that cross them and about their planes, side by side on a vector unit
+// (vector_units.hpp). Most facets of a fine surface meet only a few rays, so preparing them takes longer than casting their rays. One by one, both
+// took half as long again.
+#pragma once
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <span>
+
+#include "mesher/engines/engine.hpp"
+#include "mesher/engines/height.hpp"
+#include "mesher/engines/rows.hpp"
+
+namespace teracell::mesher {
+
+// Vertex k of facet i is at (u[k][i], v[k][i], w[k][i]).
+struct FacetBlock {
+  static constexpr uint32_t kFacets = 32;
+  static constexpr uint32_t kLanes = 8;  // these are computed side by side
+  double u[3][kFacets], v[3][kFacets], w[3][kFacets];
+  uint32_t layer[kFacets];
+  uint32_t size;  // a multiple of kLanes: the last facet is repeated
+
+  // Takes the first kFacets of `facets`. REQUIRES: it is not empty.
+  TERACELL_IN_LINE FacetBlock(std::span<const SceneFacet* const> facets, const RayFrame& f) {
+    const auto count = static_cast<uint32_t>(std::min<size_t>(facets.size(), kFacets));
+    size = (count + kLanes - 1) / kLanes * kLanes;
+    for (uint32_t i = 0; i < size; ++i) {
+      const SceneFacet& facet = *facets[std::min(i, count - 1)];
+      layer[i] = facet.layer;
+      for (int k = 0; k < 3; ++k) {
+        const Vec3& p = facet.facet.vertex[k];
+        u[k][i] = p[f.u], v[k][i] = p[f.v], w[k][i] = p[f.w];
+      }
+    }
+  }
+
+  // Calls lane(i) for each facet, in loops that a compiler can lay side by side.
+  template <class Lane>
+  TERACELL_IN_LINE void for_each(const Lane& lane) const {
+    for (size_t first = 0; first < size; first += kLanes)
+      for (size_t i = 0; i < kLanes; ++i) lane(first + i);
+  }
+};
+
+// For each facet of a block what FacetRows (rows.hpp) finds for one: the rows [begin, end) that meet it, and the edges that its rays lie between.
+// Where is_sure is 0, and where rays_of() returns false, only FacetRows can tell.
+struct BlockRows {
+  static constexpr uint32_t kFacets = FacetBlock::kFacets;
+  uint64_t begin[kFacets], end[kFacets], is_sure[kFacets];
+
+  TERACELL_IN_LINE BlockRows(const FacetBlock& block, const RayFinder& rays, const RayFinder& rows) {
+    block.for_each([&](size_t i) TERACELL_IN_LINE {
+      double u0 = block.u[0][i], u1 = block.u[1][i], u2 = block.u[2][i], v0 = block.v[0][i], v1 = block.v[1][i], v2 = block.v[2][i];
+      const double most = std::max(std::max(std::abs(u0), std::abs(u1)), std::abs(u2));
+      uint64_t swaps = 0;
+      const auto order = [&](double& ua, double& va, double& ub, double& vb) TERACELL_IN_LINE {
+        const bool swap = vb < va;
+        const double u = swap ? ub : ua, v = swap ? vb : va;
+        ub = swap ? ua : ub, vb = swap ? va : vb;
+        ua = u, va = v;
+        swaps ^= swap ? 1 : 0;
+      };
+      order(u0, v0, u1, v1), order(u1, v1, u2, v2), order(u0, v0, u1, v1);
+      odd_[i] = swaps;
+      lo_u_[i] = u0, lo_v_[i] = v0, mid_u_[i] = u1, mid_v_[i] = v1;
+      longest_[i] = (u2 - u0) / (v2 - v0), lower_[i] = (u1 - u0) / (v1 - v0), upper_[i] = (u2 - u1) / (v2 - v1);
+      close_[i] = 0.5 - (FacetEdge::slack(2 * most) * rays.per_ray() * (1 + 0x1p-50) + rays.slack());
+      const double s = rows.place_of(v0), t = rows.place_of(v2), whole_s = s + RayFinder::kRound, whole_t = t + RayFinder::kRound;
+      begin[i] = std::bit_cast<uint64_t>(whole_s) & 0xffffffff, end[i] = std::bit_cast<uint64_t>(whole_t) & 0xffffffff;
+      const double far = std::max(std::abs(s - (whole_s - RayFinder::kRound)), std::abs(t - (whole_t - RayFinder::kRound)));
+      is_sure[i] = (far < 0.5 - rows.slack()) & (close_[i] > 0.25);
+    });
+  }
+
+  // For the rows with the coordinates v[0] to v[kRows - 1]: the rays [from, to) that cross facet i, as met[r] = to << 32 | from; and of[r] =
+  // id + 2 * r, + 1 if the facet turns left in (u, v). Returns whether that is sure. What is written for rows that do not meet the facet has no
+  // meaning. REQUIRES: id is even.
+  static constexpr uint32_t kRows = 8;
+  TERACELL_IN_LINE bool rays_of(size_t i, const double* v, uint64_t id, const RayFinder& rays, uint64_t* of, uint64_t* met) const {
+    const double u0 = lo_u_[i], v0 = lo_v_[i], u1 = mid_u_[i], v1 = mid_v_[i];
+    const double longest = longest_[i], lower = lower_[i], upper = upper_[i], close = close_[i];
+    const uint64_t odd = odd_[i];
+    uint64_t unsure = 0;
+    uint64_t ofs[kRows], mets[kRows];  // a compiler does not know that `of` and `met` are apart from `v`
+#pragma GCC unroll 1
+    for (uint32_t r = 0; r < kRows; ++r) {
+      const bool is_lower = v[r] < v1;
+      const double s = rays.place_of(u0 + (v[r] - v0) * longest), whole_s = s + RayFinder::kRound;
+      const double t = rays.place_of((is_lower ? u0 : u1) + (v[r] - (is_lower ? v0 : v1)) * (is_lower ? lower : upper));
+      const double whole_t = t + RayFinder::kRound;
+      const int64_t a = std::bit_cast<int64_t>(whole_s) & 0xffffffff, b = std::bit_cast<int64_t>(whole_t) & 0xffffffff;
+      const int64_t from = a < b ? a : b, to = a < b ? b : a;
+      mets[r] = to << 32 | from;
+      ofs[r] = (id + 2 * r) | ((a < b ? 1 : 0) ^ odd);
+      unsure |= std::max(std::abs(s - (whole_s - RayFinder::kRound)), std::abs(t - (whole_t - RayFinder::kRound))) < close ? 0 : 1;
+    }
+    for (uint32_t r = 0; r < kRows; ++r) met[r] = mets[r];
+    for (uint32_t r = 0; r < kRows; ++r) of[r] = ofs[r];
+    return unsure == 0;
+  }
+
+ private:
+  double lo_u_[kFacets], lo_v_[kFacets], mid_u_[kFacets], mid_v_[kFacets];  // the ends of the lower edge
+  double longest_[kFacets], lower_[kFacets], upper_[kFacets];               // slopes of the edges, du / dv
+  double close_[kFacets];  // an edge that stays closer than this to a whole number, in units of rays, is surely on this side of them
+  uint64_t odd_[kFacets];  // the permutation that sorts the vertices by v is odd
+};
+
+// Where rays along a uniform axis of cells cross a block of facets.
+struct BlockHeights {
+  TERACELL_IN_LINE BlockHeights(const FacetBlock& block, const CellUnits& cells) : cells_(cells) {
+    block.for_each([&](size_t i) TERACELL_IN_LINE {
+      const auto& [u, v, w, layer, size] = block;
+      const FacetPlane plane(u[0][i], v[0][i], w[0][i], u[1][i], v[1][i], w[1][i], u[2][i], v[2][i], w[2][i]);
+      u0_[i] = plane.u0, v0_[i] = plane.v0, w0_[i] = plane.w0, gv_[i] = plane.gv, slope_[i] = plane.gu * cells.per_cell;
+      const double slack = cells.slack(plane);
+      slack_[i] = slack < 0.25 ? slack : 1;
+    });
+    for (size_t i = 0; i < block.size; ++i) rest_[i] = Crossing::pack(0, block.layer[i], false);
+  }
+
+  // For the rays u[k] of the row v: crossings[k] = that with facet i and rays[k] = ray + k, for whole blocks of rays. What is written for rays that do not cross it has no
+  // meaning. `far` is how far at most the facets were from the middle between two sample points, and the error of that, in each place of a block: if
+  // one is not below 0.5 in the end, FacetHeight::first_cells() must say where it was right.
+  static constexpr size_t kRays = 8;
+  using Far = std::array<double, kRays>;
+  TERACELL_IN_LINE void cross(size_t i, const double* u, size_t size, double v, bool up, uint32_t ray, uint64_t* crossings, uint32_t* rays, Far& far) const {
+    // A number below 2^51 that is added to this one is rounded to an integer, which is what the low half of the sum's bits say.
+    constexpr double kRound = 0x1.8p52;
+    const double base = (w0_[i] + gv_[i] * (v - v0_[i]) - cells_.origin) * cells_.per_cell - cells_.offset + 0.5;
+    const double slope = slope_[i], u0 = u0_[i], slack = slack_[i], most = cells_.cells;
+    const uint64_t rest = rest_[i] | up;
+    for (size_t k = 0; k < size; k += kRays) {
+#pragma GCC unroll 1
+      for (size_t j = 0; j < kRays; ++j) {
+        const double t = std::min(std::max(base + slope * (u[k + j] - u0), 0.0), most), sum = t + kRound;
+        crossings[k + j] = std::bit_cast<uint64_t>(sum) << 32 | rest;
+        far[j] = std::max(far[j], std::abs(t - (sum - kRound)) + slack);
+      }
+#pragma GCC unroll 1
+      for (size_t j = 0; j < kRays; ++j) rays[k + j] = ray + static_cast<uint32_t>(k + j);
+    }
+  }
+
+ private:
+  static constexpr uint32_t kFacets = FacetBlock::kFacets;
+  const CellUnits cells_;
+  double u0_[kFacets], v0_[kFacets], w0_[kFacets], gv_[kFacets];
+  double slope_[kFacets];  // along u, in cells
+  double slack_[kFacets];  // in units of cells; 1 where doubles say nothing
+  uint64_t rest_[kFacets];
+};
+
+}  // namespace teracell::mesher
