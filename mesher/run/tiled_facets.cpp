@@ -128,8 +128,9 @@ std::unique_ptr<FacetBins> TiledFacets::fill_bins(const TreeRange& range, bool a
     batch = lists.next();
   };
   const auto add = [&](std::span<const Facet> facets, uint32_t layer, FacetBins::Origin origin, uint32_t patch) {
-    for (const Facet& f : facets) {
-      bins->make_ready(f, layer, origin, patch, *batch);
+    constexpr size_t kPiece = 1024;
+    for (size_t first = 0; first < facets.size(); first += kPiece) {
+      bins->make_ready(facets.subspan(first, std::min(kPiece, facets.size() - first)), layer, origin, patch, *batch);
       if (batch->size() >= kBatch) hand_on();
     }
   };

@@ -64,11 +64,14 @@ FacetBins::FacetBins(const Metadata& meta, uint64_t facets, uint64_t whole, bool
   fine_ = root_.place.depth;
   for (uint64_t bins = 1; fine_ > rays_.lowest && bins * most_facets_ < facets * 3 / 2 && bins_at(fine_ - 1) <= memory / 8 / kLeastBuffer;)
     bins = bins_at(--fine_);
-  const int first = std::max(fine_, 0);
-  const size_t room = room_in(memory / 16 / bins_at(first));
-  open(root_, first, room);
-  rooms_ = bins_at(first) * room;
+  first_ = std::max(fine_, 0);
+  const size_t room = room_in(memory / 16 / bins_at(first_));
+  open(root_, first_, room);
+  rooms_ = bins_at(first_) * room;
   most_rooms_ = memory / 8;
+  first_u_ = (rays_.shape.nu + rays_.size(first_) - 1) / rays_.size(first_);
+  for (uint32_t cv = 0; cv * rays_.size(first_) < rays_.shape.nv; ++cv)
+    for (uint32_t cu = 0; cu < first_u_; ++cu) first_bins_.push_back(const_cast<Bin*>(&bin_at({first_, cu, cv})));
 }
 
 size_t FacetBins::room_in(uint64_t bytes) const { return std::clamp<uint64_t>(bytes, kLeastBuffer, 1 << 20) / record_bytes_ * record_bytes_; }
@@ -97,27 +100,40 @@ uint64_t FacetBins::bins_below(const TreePlace& place, int depth) const {
 
 uint64_t FacetBins::bins_at(int depth) const { return bins_below(rays_.root(), depth); }
 
-FacetBins::UnitRange FacetBins::units_of(const RayRange& r) const {
+inline FacetBins::UnitRange FacetBins::units_of(const RayRange& r) const {
   const uint32_t u = rays_.shape.nu - 1, v = rays_.shape.nv - 1;
   const Side& unit = rays_.unit;
   return {unit.of(std::min(r.u0, u)), unit.of(std::min(r.u1, u)), unit.of(std::min(r.v0, v)), unit.of(std::min(r.v1, v))};
 }
 
-void FacetBins::make_ready(const Facet& facet, uint32_t layer, Origin origin, uint32_t patch, std::vector<uint8_t>& out) const {
+inline void FacetBins::encode(const Facet& facet, uint32_t tag, uint32_t patch, std::span<uint8_t> record) const {
+  uint8_t* const to = float32_ ? put_coordinates<float>(facet, record.data()) : put_coordinates<double>(facet, record.data());
+  std::memcpy(to, &tag, sizeof tag);
+  if (patches_) std::memcpy(to + sizeof tag, &patch, sizeof patch);
+}
+
+void FacetBins::make_ready(std::span<const Facet> facets, uint32_t layer, Origin origin, uint32_t patch, std::vector<uint8_t>& out) const {
   const uint32_t tag = layer | (origin == kOfFile ? 0 : kNotOfFile) | (origin == kPlaced ? kInPlace : 0);
+  const size_t before = out.size(), each = sizeof(UnitRange) + record_bytes_;
+  out.resize(before + facets.size() * each);
+  uint8_t* to = out.data() + before;
   Facet room;
-  const UnitRange units = units_of(rays_.range_of(placed(facet, tag, room), layer_in(tag)));
-  const size_t at = out.size();
-  out.resize(at + sizeof units + record_bytes_);
-  std::memcpy(out.data() + at, &units, sizeof units);
-  encode(facet, tag, patch, {out.data() + at + sizeof units, record_bytes_});
+  for (const Facet& facet : facets) {
+    const UnitRange units = units_of(rays_.range_of(placed(facet, tag, room), layer_in(tag)));
+    std::memcpy(to, &units, sizeof units);
+    encode(facet, tag, patch, {to + sizeof units, record_bytes_});
+    to += each;
+  }
 }
 
 void FacetBins::add(std::span<const uint8_t> ready) {
   UnitRange units;
+  const int shift = rays_.shift(first_);
   for (; !ready.empty(); ready = ready.subspan(sizeof units + record_bytes_)) {
     std::memcpy(&units, ready.data(), sizeof units);
-    put(root_, units, ready.subspan(sizeof units, record_bytes_));
+    const auto record = ready.subspan(sizeof units, record_bytes_);
+    for (uint32_t v = units.first_v >> shift; v <= units.last_v >> shift; ++v)
+      for (uint32_t u = units.first_u >> shift; u <= units.last_u >> shift; ++u) put(*first_bins_[v * first_u_ + u], units, record, nullptr);
   }
 }
 
@@ -128,7 +144,7 @@ void FacetBins::add(BinnedPart part) {
   const std::span<uint8_t> record(buffer.data(), record_bytes_);
   encode({}, tag, 0, record);
   std::memcpy(record.data(), &number, sizeof number);
-  put(root_, units_of(record), record);
+  put(root_, units_of(record), record, &parts_.back());
 }
 
 FacetBins::UnitRange FacetBins::units_of(std::span<const uint8_t> record) const {
@@ -151,39 +167,40 @@ uint64_t FacetBins::facets_here(const TreePlace& place, const UnitRange& units, 
   return 1 + static_cast<uint64_t>(here * static_cast<double>(part.facets));
 }
 
-void FacetBins::put(Bin& bin, const UnitRange& units, std::span<const uint8_t> record) {
+// Puts what lies in a bin, a facet or the record of a part, into those below it.
+void FacetBins::put(Bin& bin, const UnitRange& units, std::span<const uint8_t> record, const BinnedPart* part) {
   constexpr uint32_t kMostCopies = 4;  // of a part's record among the children of a bin: more of them would read the part too often
   if (!bin.wanted) return;
-  if (bin.children.empty()) {
-    const bool part = is_part(tag_in(record));
-    const uint64_t facets = part ? facets_here(bin.place, units, part_in(record)) : 1;
-    bin.facets += facets;
-    // A part's facets are spread when it is read, so each counts once.
-    if (bin.place.depth <= 0 && bin.place.depth > rays_.lowest) {
-      bin.copies += part ? facets : bins_met(bin.place, units, below(bin.place.depth));
-      bin.copies_next += part ? facets : bins_met(bin.place, units, bin.place.depth - 1);
-    }
-    if (bin.buffer.empty()) bin.buffer.resize(whole_pages(bin.room));
-    std::memcpy(bin.buffer.data() + bin.buffered, record.data(), record.size());
-    bin.buffered += record.size();
-    if (bin.facets > most_facets_ && split_depth(bin) < bin.place.depth && rooms_ + rooms_of(bin.place, split_depth(bin), bin.room) <= most_rooms_)
-      return split(bin);
-    if (bin.buffered >= bin.room) flush(bin);
-    return;
-  }
+  if (bin.children.empty()) return put_here(bin, units, record, part);
   const Children in = children_of(bin, units);
-  if (in.count() > kMostCopies && is_part(tag_in(record))) {
-    const BinnedPart& part = part_in(record);
+  if (part && in.count() > kMostCopies) {
     std::array<uint8_t, 9 * sizeof(double) + 2 * sizeof(uint32_t)> buffer;
     const std::span<uint8_t> facet(buffer.data(), record_bytes_);
-    return part.read([&](const Facet& f) {
-      encode(f, part.layer, part.patch, facet);
+    return part->read([&](const Facet& f) {
+      encode(f, part->layer, part->patch, facet);
       const UnitRange of_facet = units_of(facet);
-      if (meets(bin.place, of_facet)) put(bin, of_facet, facet);
+      if (meets(bin.place, of_facet)) put(bin, of_facet, facet, nullptr);
     });
   }
   for (uint32_t v = in.v0; v <= in.v1; ++v)
-    for (uint32_t u = in.u0; u <= in.u1; ++u) put(bin.children[v * kFanOut + u], units, record);
+    for (uint32_t u = in.u0; u <= in.u1; ++u) put(bin.children[v * kFanOut + u], units, record, part);
+}
+
+inline void FacetBins::put_here(Bin& bin, const UnitRange& units, std::span<const uint8_t> record, const BinnedPart* part) {
+  const uint64_t facets = part ? facets_here(bin.place, units, *part) : 1;
+  bin.facets += facets;
+  // A part's facets are spread when it is read, so each counts once. Of others some are enough.
+  if (constexpr uint64_t kOneOf = 8; bin.place.depth <= 0 && bin.place.depth > rays_.lowest && (part || bin.facets % kOneOf == 1)) {
+    bin.looked_at += facets;
+    bin.copies += part ? facets : bins_met(bin.place, units, below(bin.place.depth));
+    bin.copies_next += part ? facets : bins_met(bin.place, units, bin.place.depth - 1);
+  }
+  if (bin.buffer.empty()) bin.buffer.resize(whole_pages(bin.room));
+  std::memcpy(bin.buffer.data() + bin.buffered, record.data(), record.size());
+  bin.buffered += record.size();
+  if (bin.facets > most_facets_ && split_depth(bin) < bin.place.depth && rooms_ + rooms_of(bin.place, split_depth(bin), bin.room) <= most_rooms_)
+    split(bin);
+  else if (bin.buffered >= bin.room) flush(bin);
 }
 
 bool FacetBins::meets(const TreePlace& place, const UnitRange& units) const {
@@ -235,8 +252,8 @@ uint64_t FacetBins::bins_met(const TreePlace& place, const UnitRange& units, int
 int FacetBins::split_depth(const Bin& bin) const {
   const int depth = bin.place.depth;
   if (depth == rays_.lowest) return depth;
-  if (depth > 0 || bin.copies < 2 * bin.facets) return below(depth);
-  return bin.copies_next < 2 * bin.facets ? depth - 1 : depth;
+  if (depth > 0 || bin.copies < 2 * bin.looked_at) return below(depth);
+  return bin.copies_next < 2 * bin.looked_at ? depth - 1 : depth;
 }
 
 // The buffer of each bin that a place with one buffer is divided into, and all of them.
@@ -251,7 +268,8 @@ void FacetBins::split(Bin& bin) {
   const int depth = split_depth(whole);
   rooms_ += rooms_of(bin.place, depth, whole.room);
   open(bin, depth, room_of(bin.place, depth, whole.room));
-  take_records(whole, [&](std::span<const uint8_t> record) { put(bin, units_of(record), record); });
+  take_records(whole,
+               [&](std::span<const uint8_t> record) { put(bin, units_of(record), record, is_part(tag_in(record)) ? &part_in(record) : nullptr); });
 }
 
 void FacetBins::finish() {
@@ -341,12 +359,6 @@ void FacetBins::take_records(Bin& bin, F&& f) {
     for (size_t at = 0; at < bytes.size(); at += record_bytes_) f(std::span<const uint8_t>(bytes.data() + at, record_bytes_));
   }
   bin.extents = {};
-}
-
-void FacetBins::encode(const Facet& facet, uint32_t tag, uint32_t patch, std::span<uint8_t> record) const {
-  uint8_t* const to = float32_ ? put_coordinates<float>(facet, record.data()) : put_coordinates<double>(facet, record.data());
-  std::memcpy(to, &tag, sizeof tag);
-  if (patches_) std::memcpy(to + sizeof tag, &patch, sizeof patch);
 }
 
 uint32_t FacetBins::tag_in(std::span<const uint8_t> record) const {

@@ -47,9 +47,9 @@ class FacetBins {
 
   // Where a facet comes from: the body's file, closing (in the file's coordinates), or closing (as the grid sees it).
   enum Origin { kOfFile, kAdded, kPlaced };
-  // make_ready() appends a facet to `out`, with the units that it lies in, on any thread. add() takes what it appended, in pieces of whole
-  // facets. REQUIRES: the facet's coordinates are in single precision if those that are kept are.
-  void make_ready(const Facet& facet, uint32_t layer, Origin origin, uint32_t patch, std::vector<uint8_t>& out) const;
+  // make_ready() appends facets to `out`, each with the units that it lies in, on any thread. add() takes what it appended, in pieces of whole
+  // facets. REQUIRES: the facets' coordinates are in single precision if those that are kept are.
+  void make_ready(std::span<const Facet> facets, uint32_t layer, Origin origin, uint32_t patch, std::vector<uint8_t>& out) const;
   void add(std::span<const uint8_t> ready);
   void add(BinnedPart part);
   // To be called after the last facet.
@@ -73,7 +73,8 @@ class FacetBins {
     TreePlace place;
     bool wanted = true;  // it lies in the range, at least in part
     uint64_t facets = 0;
-    uint64_t copies = 0, copies_next = 0;  // of a group's facets, or less than a group's, in the bins that it may be split into, at two depths
+    // Of a group, or less than one: of some of its facets how many copies lie in the bins that it may be split into, at two depths.
+    uint64_t looked_at = 0, copies = 0, copies_next = 0;
     size_t room = 0;  // of the buffer, in bytes
     std::vector<uint8_t> buffer;  // the first `buffered` bytes are used
     size_t buffered = 0;
@@ -93,7 +94,8 @@ class FacetBins {
   uint64_t bins_met(const TreePlace& place, const UnitRange& units, int depth) const;
   bool meets(const TreePlace& place, const UnitRange& units) const;
   uint64_t facets_here(const TreePlace& place, const UnitRange& units, const BinnedPart& part) const;
-  void put(Bin& bin, const UnitRange& units, std::span<const uint8_t> record);
+  void put(Bin& bin, const UnitRange& units, std::span<const uint8_t> record, const BinnedPart* part);
+  void put_here(Bin& bin, const UnitRange& units, std::span<const uint8_t> record, const BinnedPart* part);
   // The children [u0, u1] x [v0, v1] in which a facet with these units lies. REQUIRES: it lies in the bin.
   struct Children {
     uint32_t u0, u1, v0, v1;
@@ -139,6 +141,9 @@ class FacetBins {
   uint64_t end_ = 0;  // of the file, including what is not written yet
   std::vector<BinnedPart> parts_;
   Bin root_;
+  int first_;  // the depth of the bins that there were first, and these row by row: facets need not go down to them from the root
+  uint32_t first_u_;
+  std::vector<Bin*> first_bins_;
   Background writer_;  // the last member, since its thread uses the file
 };
 

@@ -106,7 +106,7 @@ TEST_CASE("Counts by the bins of a grid, of which many facets see no ray, are th
   const std::vector<Facet> facets = tangle(random, 1500, 60);
   FacetBins bins(meta, 0, 0, false, {1, folder.path()}, false, [](const Facet& f, uint32_t) { return f; }, {});
   std::vector<uint8_t> ready;
-  for (const Facet& f : facets) bins.make_ready(f, 0, FacetBins::kOfFile, 0, ready);
+  bins.make_ready(facets, 0, FacetBins::kOfFile, 0, ready);
   bins.add(ready);
   bins.finish();
   BinnedCounter survey({true});

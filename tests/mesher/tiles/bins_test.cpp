@@ -45,7 +45,7 @@ std::unique_ptr<FacetBins> filled(const Metadata& meta, const std::vector<Added>
   auto out = std::make_unique<FacetBins>(meta, how.expected, how.expected, how.float32, Budget{how.budget, folder.path()}, how.own_writer, how.move,
                                          std::vector<uint8_t>{});
   std::vector<uint8_t> ready;
-  for (const Added& f : facets) out->make_ready(f.facet, f.layer | (f.ignored ? kIgnored : 0), f.origin, 0, ready);
+  for (const Added& f : facets) out->make_ready({&f.facet, 1}, f.layer | (f.ignored ? kIgnored : 0), f.origin, 0, ready);
   out->add(ready);
   out->finish();
   return out;
@@ -217,7 +217,7 @@ TEST_CASE("A part lies in bins as its facets do, whether it is small or spread o
                        }};
       std::vector<uint8_t> ready;
       for (const Added& added : of_part) {
-        if (part % 5 == 0) bins.make_ready(added.facet, part, FacetBins::kOfFile, 0, ready);
+        if (part % 5 == 0) bins.make_ready({&added.facet, 1}, part, FacetBins::kOfFile, 0, ready);
         for (const Vec3& v : move(added.facet, part).vertex)
           for (size_t d = 0; d < 3; ++d) whole.lo[d] = std::min(whole.lo[d], v[d]), whole.hi[d] = std::max(whole.hi[d], v[d]);
       }
@@ -283,7 +283,7 @@ TEST_CASE("A group of tiles with more facets than are loaded at once has several
   FacetBins parts(meta, of_part.size(), 0, false, Budget{1, folder.path()}, false, unmoved, {});
   parts.add({of_part.size(), lo, hi, 0, 0, [&](const auto& f) { std::ranges::for_each(of_part, f); }});
   std::vector<uint8_t> ready;
-  for (const Facet& f : dense_facets(random, lo, hi, 1500)) parts.make_ready(f, 0, FacetBins::kOfFile, 0, ready);
+  for (const Facet& f : dense_facets(random, lo, hi, 1500)) parts.make_ready({&f, 1}, 0, FacetBins::kOfFile, 0, ready);
   parts.add(ready);
   parts.finish();
   parts.for_each_bin(GridRays(meta).root(), [&](const TreePlace& place) { REQUIRE(parts.facets(place) <= 1024); });

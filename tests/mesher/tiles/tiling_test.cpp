@@ -186,7 +186,7 @@ TEST_CASE("Facets that lie in bins are handed to the tiles that facets in memory
       auto bins = std::make_unique<FacetBins>(
           meta, 0, 0, false, Budget{1, folder.path()}, ahead > 0, [](const Facet& f, uint32_t) { return f; }, std::vector<uint8_t>{});
       std::vector<uint8_t> ready;
-      for (uint32_t i = 0; i < facets.size(); ++i) bins->make_ready(facets[i], i, FacetBins::kOfFile, 0, ready);
+      for (uint32_t i = 0; i < facets.size(); ++i) bins->make_ready({&facets[i], 1}, i, FacetBins::kOfFile, 0, ready);
       bins->add(ready);
       bins->finish();
       BinnedCounter survey(std::vector<bool>(facets.size(), true));
