@@ -29,8 +29,9 @@ void FacetHeight::first_cells(std::span<const double> u, double v, uint32_t* cel
     constexpr size_t kBlock = 8;
     constexpr double kRound = 0x1.8p52;  // adding and subtracting it rounds to the nearest integer
     const double most = static_cast<double>(axis_.cells()) - 0.5, min = axis_.origin();
-    const auto height = [=, this](double ray)
-                            TERACELL_IN_LINE { return std::clamp((base + plane_.gu * (ray - plane_.u0) - min) * units_.per_cell - units_.offset, -0.5, most); };
+    const auto height = [=, this](double ray) TERACELL_IN_LINE {
+      return std::clamp((base + plane_.gu * (ray - plane_.u0) - min) * units_.per_cell - units_.offset, -0.5, most);
+    };
     double closest = 1;
     on_vector_unit([=, &u, &closest]() TERACELL_IN_LINE {
       // Most rows are no longer than two or three vectors, so what is left of them is no loop of its own: the last block overlaps the one before.

@@ -14,7 +14,7 @@
 namespace teracell::mesher {
 
 // The plane of a facet as w(u, v) = w0 + gu * (u - u0) + gv * (v - v0), where (u0, v0, w0) is its first vertex. Without branches, so that several
-// can be computed side by side (facet_block.hpp).
+// can be computed side by side (facet_lanes.hpp).
 struct FacetPlane {
   double u0, v0, w0, gu, gv;
   double slack;  // bounds |computed w - true w| over the projection of the facet; infinite: there is no bound

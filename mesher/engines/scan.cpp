@@ -12,7 +12,7 @@
 #include <optional>
 
 #include "mesher/engines/engines.hpp"
-#include "mesher/engines/facet_block.hpp"
+#include "mesher/engines/facet_lanes.hpp"
 
 namespace teracell::mesher {
 
@@ -21,7 +21,7 @@ class ScanEngine : public Engine {
   void cast(const Tile& tile, std::span<const SceneFacet* const> facets, Crossings& out) override;
 
  private:
-  struct Span {  // rays [from, to) of a row that cross a facet, in two words as BlockRows::rays_of() writes them
+  struct Span {  // rays [from, to) of a row that cross a facet, in two words as LaneRows::rays_of() writes them
     uint64_t of, rays;
     static uint64_t pack(uint32_t facet, uint32_t row, bool up) { return uint64_t{facet} << 32 | row << 1 | up; }
     uint32_t facet() const { return static_cast<uint32_t>(of >> 32); }
@@ -65,7 +65,7 @@ void ScanEngine::cast(const Tile& tile, std::span<const SceneFacet* const> facet
 }
 
 void ScanEngine::find_spans(const Tile& tile, std::span<const SceneFacet* const> facets) {
-  constexpr uint32_t kFacets = FacetBlock::kFacets, kRows = BlockRows::kRows, kRoom = 256;
+  constexpr uint32_t kFacets = FacetLanes::kFacets, kRows = LaneRows::kRows, kRoom = 256;
   const RayFinder rays(tile.u), rows(tile.v);
   const size_t stride = tile.u.size() + 1;
   counts_.assign(stride * rows.size(), 0);
@@ -106,7 +106,7 @@ void ScanEngine::find_spans(const Tile& tile, std::span<const SceneFacet* const>
         __builtin_prefetch(&coming.vertex[0]);
         __builtin_prefetch(&coming.vertex[2][2]);
       }
-      const BlockRows block(FacetBlock(facets.subspan(first), tile.frame), rays, rows);
+      const LaneRows block(FacetLanes(facets.subspan(first), tile.frame), rays, rows);
       for (uint32_t i = 0; i < std::min<size_t>(kFacets, facets.size() - first); ++i) {
         if (block.is_sure[i] == 0) {
           gather_exactly(first + i, 0, rows.size());
@@ -127,7 +127,7 @@ void ScanEngine::find_spans(const Tile& tile, std::span<const SceneFacet* const>
 }
 
 void ScanEngine::find_heights(const Tile& tile, std::span<const SceneFacet* const> facets, Crossings& out) {
-  constexpr uint32_t kFacets = FacetBlock::kFacets, kRays = BlockHeights::kRays;
+  constexpr uint32_t kFacets = FacetLanes::kFacets, kRays = LaneHeights::kRays;
   const auto nu = static_cast<uint32_t>(tile.u.size());
   const size_t room = std::max<size_t>(192, nu) + kRays;
   u_.assign(tile.u.begin(), tile.u.end());
@@ -137,29 +137,32 @@ void ScanEngine::find_heights(const Tile& tile, std::span<const SceneFacet* cons
   rays_.resize(room);
   const CellUnits cells(*tile.axis);
   const bool is_graded = tile.axis->is_graded();
-  on_vector_unit([&, nu, all = out.all.data(), next = next_.data(), crossings = crossings_.data(), rays = rays_.data(), u = u_.data()]() TERACELL_IN_LINE {
-    for (size_t s = 0; s < found_;) {
-      const uint32_t first_facet = spans_[s].facet() / kFacets * kFacets;
-      const BlockHeights heights(FacetBlock(facets.subspan(first_facet), tile.frame), cells);
-      const auto is_in_block = [&](const Span& span) TERACELL_IN_LINE { return span.facet() - first_facet < kFacets; };
-      while (s < found_ && is_in_block(spans_[s])) {
+  on_vector_unit([&, nu, all = out.all.data(), next = next_.data(), crossings = crossings_.data(), rays = rays_.data(), u = u_.data()]()
+                     TERACELL_IN_LINE {
+                       for (size_t s = 0; s < found_;) {
+                         const uint32_t first_facet = spans_[s].facet() / kFacets * kFacets;
+                         const LaneHeights heights(FacetLanes(facets.subspan(first_facet), tile.frame), cells);
+                         const auto is_in_block = [&](const Span& span) TERACELL_IN_LINE { return span.facet() - first_facet < kFacets; };
+                         while (s < found_ && is_in_block(spans_[s])) {
         // Crossings are gathered first, as rows were.
-        const size_t first = s;
-        size_t gathered = 0;
-        BlockHeights::Far far{};
-        for (; s < found_; ++s) {
-          const Span span = spans_[s];
-          const size_t size = span.to() - span.from();
-          if (!is_in_block(span) || gathered + size + kRays > room) break;
-          const uint32_t ray = span.row() * nu + span.from();
-          heights.cross(span.facet() - first_facet, u + span.from(), size, tile.v[span.row()], span.up(), ray, crossings + gathered, rays + gathered, far);
-          gathered += size;
-        }
-        if (is_graded || *std::max_element(far.begin(), far.end()) >= 0.5) decide({&spans_[first], s - first}, tile, facets, crossings);
-        for (size_t k = 0; k < gathered; ++k) all[next[rays[k]]++] = crossings[k];
-      }
-    }
-  });
+                           const size_t first = s;
+                           size_t gathered = 0;
+                           LaneHeights::Far far{};
+                           for (; s < found_; ++s) {
+                             const Span span = spans_[s];
+                             const size_t size = span.to() - span.from();
+                             if (!is_in_block(span) || gathered + size + kRays > room) break;
+                             const uint32_t ray = span.row() * nu + span.from();
+                             heights.cross(span.facet() - first_facet, u + span.from(), size, tile.v[span.row()], span.up(), ray,
+                                           crossings + gathered, rays + gathered, far);
+                             gathered += size;
+                           }
+                           if (is_graded || *std::max_element(far.begin(), far.end()) >= 0.5)
+                             decide({&spans_[first], s - first}, tile, facets, crossings);
+                           for (size_t k = 0; k < gathered; ++k) all[next[rays[k]]++] = crossings[k];
+                         }
+                       }
+                     });
 }
 
 // Writes over the crossings of these spans, of which there is a close one.

@@ -12,7 +12,8 @@ void BinnedCounter::Bin::add(const BinnedFacet& f) {
   if (f.added) return;  // not in the file
   const uint32_t body = body_of_layer(f.layer);
   if (!all_.wanted_[body]) return;
-  counters_[body].add(f.facet, f.at_home);
+  if (latest_ == nullptr || body != latest_body_) latest_ = &counters_[body], latest_body_ = body;
+  latest_->add(f.facet, f.at_home);
   if (f.bins == 1) return;
   const std::array<VertexHash, 3> vertices = vertex_hashes(f.facet);
   const uint64_t hash = FacetKey::low_of(vertices) | 1;  // so no few times it is 0

@@ -26,7 +26,9 @@ class BinnedCounter {
 
    private:
     BinnedCounter& all_;
-    std::map<uint32_t, SurfaceCounter> counters_;    // by body
+    std::map<uint32_t, SurfaceCounter> counters_;  // by body
+    SurfaceCounter* latest_ = nullptr;             // that of latest_body_, looked up once for many facets
+    uint32_t latest_body_ = 0;
     struct Shared {
       uint32_t body;
       VertexHash vertex;  // the facet's first one

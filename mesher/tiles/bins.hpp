@@ -58,6 +58,7 @@ class FacetBins {
   // After finish(). A node of the tree is a bin, has bins below it, or lies in a bin.
   bool is_split(const TreePlace& place) const { return !bin_at(place).children.empty(); }
   uint64_t facets(const TreePlace& place) const { return bin_at(place).facets; }  // of parts an estimate; 0 if the place is split
+  bool has_facets(const TreePlace& place) const { return has_facets(bin_at(place)); }
   // Calls f with each bin of a place that has facets; this may be the place itself.
   void for_each_bin(const TreePlace& place, const std::function<void(const TreePlace&)>& f) const;
   // Calls f with each facet of a bin, with the facet as the grid sees it, and with its rays (none if it is ignored). Call once.
@@ -82,6 +83,9 @@ class FacetBins {
     std::vector<Bin> children;  // none or kChildren
   };
   const Bin& bin_at(const TreePlace& place) const;
+  static bool has_facets(const Bin& bin) {
+    return bin.children.empty() ? bin.facets > 0 : std::ranges::any_of(bin.children, [](const Bin& b) { return has_facets(b); });
+  }
   uint64_t bins_at(int depth) const;
   uint64_t bins_below(const TreePlace& place, int depth) const;
   void open(Bin& bin, int depth, size_t room) const;

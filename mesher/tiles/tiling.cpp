@@ -120,15 +120,32 @@ Tiling::Node Tiling::load(const TreePlace& place) const {
 }
 
 Tiling::Node Tiling::take_bin(const TreePlace& place) {
+  if (!bins_->has_facets(place)) return load(place);
   std::future<Node> loading;
   if (!next_bins_.empty()) {
     loading = std::move(next_bins_.front());
     next_bins_.pop_front();
   }
-  size_t bins = 0;  // on the path above a node that is split
-  for (auto n = path_.rbegin(); n != path_.rend() && next_bins_.size() < ahead_ && (n->block || is_loaded_whole(n->place)); ++n)
-    if (!n->block && ++bins > next_bins_.size()) next_bins_.push_back(std::async(std::launch::async, [this, at = n->place] { return load(at); }));
+  load_ahead();
   return loading.valid() ? loading.get() : load(place);
+}
+
+// Goes along the path as next() will. Without looking into nodes that are split, all threads waited for the first bin of each.
+void Tiling::load_ahead() {
+  size_t bins = 0;
+  for (size_t n = path_.size(); n > 0 && next_bins_.size() < ahead_;) {
+    const Node& node = path_[--n];
+    if (node.block) continue;
+    if (is_loaded_whole(node.place)) {
+      if (bins_->has_facets(node.place) && ++bins > next_bins_.size())
+        next_bins_.push_back(std::async(std::launch::async, [this, at = node.place] { return load(at); }));
+      continue;
+    }
+    std::vector<Node> children = children_of(node);
+    path_.erase(path_.begin() + static_cast<ptrdiff_t>(n));
+    path_.insert(path_.begin() + static_cast<ptrdiff_t>(n), std::make_move_iterator(children.begin()), std::make_move_iterator(children.end()));
+    n += children.size();
+  }
 }
 
 std::optional<TileGroup> Tiling::next() {
@@ -141,12 +158,13 @@ std::optional<TileGroup> Tiling::next() {
       std::vector<ListedFacet> facets = listed(node);
       return TileGroup{node.place.cu, node.place.cv, std::move(node.block), std::move(facets)};
     }
-    push_children(node);
+    std::ranges::move(children_of(node), std::back_inserter(path_));
   }
   return std::nullopt;
 }
 
-void Tiling::push_children(const Node& node) {
+// The last one first, because path_ is a stack.
+std::vector<Tiling::Node> Tiling::children_of(const Node& node) const {
   const TreePlace& at = node.place;
   const int depth = at.depth - 1;
   std::array<std::vector<uint32_t>, kChildren> lists;
@@ -160,12 +178,14 @@ void Tiling::push_children(const Node& node) {
     for_each_child(node.block->chunks[facet], at.cu, at.cv, kFanOutBits * at.depth, [&](uint32_t k) {
       if (here[k]) lists[k].push_back(facet);
     });
-  for (uint32_t k = kChildren; k-- > 0;) {  // the last one first, because path_ is a stack
+  std::vector<Node> out;
+  for (uint32_t k = kChildren; k-- > 0;) {
     const TreePlace child = at.child(k);
     if (!wanted(child) && (node.block || !counter_)) continue;
     if (uint64_t{child.cu} << (kFanOutBits * depth) < groups_u_ && uint64_t{child.cv} << (kFanOutBits * depth) < groups_v_)
-      path_.push_back({child, node.block, std::move(lists[k])});
+      out.push_back({child, node.block, std::move(lists[k])});
   }
+  return out;
 }
 
 // The facets of a node that is a group.

@@ -51,7 +51,7 @@ class Tiling {
   // Of facets in memory; `widened` bodies as in rays.hpp.
   Tiling(std::shared_ptr<const GridFacets> facets, const Metadata& meta, std::vector<uint8_t> widened, const TreeRange& range = {});
   // `counter`, if not null, counts the facets of every bin; then bins outside the range are loaded, too. While the groups of one bin are
-  // taken, the next `ahead` bins are loaded by other threads.
+  // taken, the next `ahead` bins with facets are loaded by other threads.
   Tiling(std::unique_ptr<FacetBins> bins, BinnedCounter* counter, int ahead, const Metadata& meta, const TreeRange& range = {});
 
   uint64_t groups() const { return groups_; }
@@ -77,7 +77,8 @@ class Tiling {
   bool is_loaded_whole(const TreePlace& place) const { return place.depth == 0 || !bins_->is_split(place); }
   Node load(const TreePlace& place) const;
   Node take_bin(const TreePlace& place);
-  void push_children(const Node& node);
+  void load_ahead();
+  std::vector<Node> children_of(const Node& node) const;
   static std::vector<ListedFacet> listed(const Node& node);
 
   GridRays rays_;

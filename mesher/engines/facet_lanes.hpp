@@ -16,17 +16,17 @@
 namespace teracell::mesher {
 
 // Vertex k of facet i is at (u[k][i], v[k][i], w[k][i]).
-struct FacetBlock {
+struct FacetLanes {
   static constexpr uint32_t kFacets = 32;
-  static constexpr uint32_t kLanes = 8;  // these are computed side by side
+  static constexpr uint32_t kWidth = 8;  // these are computed side by side
   double u[3][kFacets], v[3][kFacets], w[3][kFacets];
   uint32_t layer[kFacets];
-  uint32_t size;  // a multiple of kLanes: the last facet is repeated
+  uint32_t size;  // a multiple of kWidth: the last facet is repeated
 
   // Takes the first kFacets of `facets`. REQUIRES: it is not empty.
-  TERACELL_IN_LINE FacetBlock(std::span<const SceneFacet* const> facets, const RayFrame& f) {
+  TERACELL_IN_LINE FacetLanes(std::span<const SceneFacet* const> facets, const RayFrame& f) {
     const auto count = static_cast<uint32_t>(std::min<size_t>(facets.size(), kFacets));
-    size = (count + kLanes - 1) / kLanes * kLanes;
+    size = (count + kWidth - 1) / kWidth * kWidth;
     for (uint32_t i = 0; i < size; ++i) {
       const SceneFacet& facet = *facets[std::min(i, count - 1)];
       layer[i] = facet.layer;
@@ -40,18 +40,18 @@ struct FacetBlock {
   // Calls lane(i) for each facet, in loops that a compiler can lay side by side.
   template <class Lane>
   TERACELL_IN_LINE void for_each(const Lane& lane) const {
-    for (size_t first = 0; first < size; first += kLanes)
-      for (size_t i = 0; i < kLanes; ++i) lane(first + i);
+    for (size_t first = 0; first < size; first += kWidth)
+      for (size_t i = 0; i < kWidth; ++i) lane(first + i);
   }
 };
 
 // For each facet of a block what FacetRows (rows.hpp) finds for one: the rows [begin, end) that meet it, and the edges that its rays lie between.
 // Where is_sure is 0, and where rays_of() returns false, only FacetRows can tell.
-struct BlockRows {
-  static constexpr uint32_t kFacets = FacetBlock::kFacets;
+struct LaneRows {
+  static constexpr uint32_t kFacets = FacetLanes::kFacets;
   uint64_t begin[kFacets], end[kFacets], is_sure[kFacets];
 
-  TERACELL_IN_LINE BlockRows(const FacetBlock& block, const RayFinder& rays, const RayFinder& rows) {
+  TERACELL_IN_LINE LaneRows(const FacetLanes& block, const RayFinder& rays, const RayFinder& rows) {
     block.for_each([&](size_t i) TERACELL_IN_LINE {
       double u0 = block.u[0][i], u1 = block.u[1][i], u2 = block.u[2][i], v0 = block.v[0][i], v1 = block.v[1][i], v2 = block.v[2][i];
       const double most = std::max(std::max(std::abs(u0), std::abs(u1)), std::abs(u2));
@@ -110,8 +110,8 @@ struct BlockRows {
 };
 
 // Where rays along a uniform axis of cells cross a block of facets.
-struct BlockHeights {
-  TERACELL_IN_LINE BlockHeights(const FacetBlock& block, const CellUnits& cells) : cells_(cells) {
+struct LaneHeights {
+  TERACELL_IN_LINE LaneHeights(const FacetLanes& block, const CellUnits& cells) : cells_(cells) {
     block.for_each([&](size_t i) TERACELL_IN_LINE {
       const auto& [u, v, w, layer, size] = block;
       const FacetPlane plane(u[0][i], v[0][i], w[0][i], u[1][i], v[1][i], w[1][i], u[2][i], v[2][i], w[2][i]);
@@ -122,12 +122,13 @@ struct BlockHeights {
     for (size_t i = 0; i < block.size; ++i) rest_[i] = Crossing::pack(0, block.layer[i], false);
   }
 
-  // For the rays u[k] of the row v: crossings[k] = that with facet i and rays[k] = ray + k, for whole blocks of rays. What is written for rays that do not cross it has no
-  // meaning. `far` is how far at most the facets were from the middle between two sample points, and the error of that, in each place of a block: if
-  // one is not below 0.5 in the end, FacetHeight::first_cells() must say where it was right.
+  // For the rays u[k] of the row v: crossings[k] = that with facet i and rays[k] = ray + k, for whole blocks of rays. What is written for rays that
+  // do not cross it has no meaning. `far` is how far at most the facets were from the middle between two sample points, and the error of that, in
+  // each place of a block: if one is not below 0.5 in the end, FacetHeight::first_cells() must say where it was right.
   static constexpr size_t kRays = 8;
   using Far = std::array<double, kRays>;
-  TERACELL_IN_LINE void cross(size_t i, const double* u, size_t size, double v, bool up, uint32_t ray, uint64_t* crossings, uint32_t* rays, Far& far) const {
+  TERACELL_IN_LINE void cross(size_t i, const double* u, size_t size, double v, bool up, uint32_t ray, uint64_t* crossings, uint32_t* rays,
+                              Far& far) const {
     // A number below 2^51 that is added to this one is rounded to an integer, which is what the low half of the sum's bits say.
     constexpr double kRound = 0x1.8p52;
     const double base = (w0_[i] + gv_[i] * (v - v0_[i]) - cells_.origin) * cells_.per_cell - cells_.offset + 0.5;
@@ -146,7 +147,7 @@ struct BlockHeights {
   }
 
  private:
-  static constexpr uint32_t kFacets = FacetBlock::kFacets;
+  static constexpr uint32_t kFacets = FacetLanes::kFacets;
   const CellUnits cells_;
   double u0_[kFacets], v0_[kFacets], w0_[kFacets], gv_[kFacets];
   double slope_[kFacets];  // along u, in cells
