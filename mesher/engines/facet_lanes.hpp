@@ -122,11 +122,14 @@ struct LaneHeights {
     for (size_t i = 0; i < block.size; ++i) rest_[i] = Crossing::pack(0, block.layer[i], false);
   }
 
+  bool can_tell(size_t i) const { return slack_[i] < 0.25; }
+
   // For the rays u[k] of the row v: crossings[k] = that with facet i and rays[k] = ray + k, for whole blocks of rays. What is written for rays that
   // do not cross it has no meaning. `far` is how far at most the facets were from the middle between two sample points, and the error of that, in
   // each place of a block: if one is not below 0.5 in the end, FacetHeight::first_cells() must say where it was right.
   static constexpr size_t kRays = 8;
   using Far = std::array<double, kRays>;
+  static bool is_close(const Far& far) { return *std::max_element(far.begin(), far.end()) >= 0.5; }
   TERACELL_IN_LINE void cross(size_t i, const double* u, size_t size, double v, bool up, uint32_t ray, uint64_t* crossings, uint32_t* rays,
                               Far& far) const {
     // A number below 2^51 that is added to this one is rounded to an integer, which is what the low half of the sum's bits say.

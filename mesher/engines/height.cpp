@@ -25,7 +25,7 @@ void FacetHeight::first_cells(std::span<const double> u, double v, uint32_t* cel
     return;
   }
   const double base = plane_.w0 + plane_.gv * (v - plane_.v0);
-  if (!axis_.is_graded() && cell_slack_ < 0.25) {
+  if (cell_slack_ < 0.25) {
     constexpr size_t kBlock = 8;
     constexpr double kRound = 0x1.8p52;  // adding and subtracting it rounds to the nearest integer
     const double most = static_cast<double>(axis_.cells()) - 0.5, min = axis_.origin();
@@ -87,7 +87,7 @@ void FacetHeight::first_sub_positions(std::span<const double> u, double v, const
   const double base = plane_.w0 + plane_.gv * (v - plane_.v0);
   const auto last = static_cast<uint32_t>(axis_.cells() - 1);
   const auto between = [&](uint32_t cell) { return cell - 1 < last; };  // two sample points
-  if (flat_ || axis_.is_graded() || !(cell_slack_ < 0.25 / kSubPositions)) {
+  if (flat_ || !(cell_slack_ < 0.25 / kSubPositions)) {
     for (size_t i = 0; i < u.size(); ++i) subs[i] = between(cells[i]) ? first_sub_position(u[i], v, cells[i], exact) : 0;
     return;
   }

@@ -54,10 +54,11 @@ struct CellUnits {
     per_cell = 1 / axis.step();
     offset = static_cast<double>(axis.first()) + axis.sample();
   }
-  // Bounds |computed t - true t|, and the rounding of the sample points themselves.
+  // Bounds |computed t - true t|, and the rounding of the sample points themselves; 1 on a graded axis, where t says nothing.
   TERACELL_IN_LINE double slack(const FacetPlane& plane) const {
     const double reach = offset + cells + (std::abs(origin) + std::abs(plane.w0)) * per_cell;
-    return plane.slack * per_cell * (1 + 8 * kRoundoff) + 16 * kRoundoff * reach;
+    const double slack = plane.slack * per_cell * (1 + 8 * kRoundoff) + 16 * kRoundoff * reach;
+    return per_cell > 0 ? slack : 1;
   }
 };
 
@@ -67,10 +68,9 @@ class FacetHeight {
  public:
   // `axis` is that of the cells, along frame.w.
   FacetHeight(const Facet& facet, const RayFrame& frame, const Axis& axis)
-      : facet_(facet), frame_(frame), axis_(axis), plane_(plane_of(facet.vertex, frame)), units_(axis) {
+      : facet_(facet), frame_(frame), axis_(axis), plane_(plane_of(facet.vertex, frame)), units_(axis), cell_slack_(units_.slack(plane_)) {
     const auto& [a, b, c] = facet.vertex;
     flat_ = b[frame.w] == a[frame.w] && c[frame.w] == a[frame.w];
-    if (!axis.is_graded()) cell_slack_ = units_.slack(plane_);
   }
 
   // For the rays u[i] of the row v: cells[i] = the first cell whose sample point, shifted by the tie rule, lies above the facet, or
@@ -93,8 +93,8 @@ class FacetHeight {
   const Axis& axis_;
   const FacetPlane plane_;
   const CellUnits units_;
+  const double cell_slack_;
   bool flat_;  // w is w0 everywhere, exactly
-  double cell_slack_ = 1;
 };
 
 }  // namespace teracell::mesher

@@ -29,10 +29,12 @@ class ScanEngine : public Engine {
     bool up() const { return (of & 1) != 0; }
     uint32_t from() const { return static_cast<uint32_t>(rays); }
     uint32_t to() const { return static_cast<uint32_t>(rays >> 32); }
+    uint32_t size() const { return to() - from(); }
   };
   void find_spans(const Tile& tile, std::span<const SceneFacet* const> facets);
   void find_heights(const Tile& tile, std::span<const SceneFacet* const> facets, Crossings& out);
-  [[gnu::noinline]] void decide(std::span<const Span> spans, const Tile& tile, std::span<const SceneFacet* const> facets, uint64_t* crossings);
+  [[gnu::noinline]] void decide(std::span<const Span> spans, const Tile& tile, std::span<const SceneFacet* const> facets, const LaneHeights& heights);
+  void cross(const LaneHeights& heights, const Tile& tile, const Span& span, uint64_t* crossings, uint32_t* rays, LaneHeights::Far& far) const;
 
   std::vector<Span> spans_;  // the first found_ of them
   size_t found_ = 0;
@@ -128,53 +130,60 @@ void ScanEngine::find_spans(const Tile& tile, std::span<const SceneFacet* const>
 
 void ScanEngine::find_heights(const Tile& tile, std::span<const SceneFacet* const> facets, Crossings& out) {
   constexpr uint32_t kFacets = FacetLanes::kFacets, kRays = LaneHeights::kRays;
-  const auto nu = static_cast<uint32_t>(tile.u.size());
-  const size_t room = std::max<size_t>(192, nu) + kRays;
+  const size_t nu = tile.u.size(), room = std::max<size_t>(192, nu) + kRays;
   u_.assign(tile.u.begin(), tile.u.end());
   u_.resize(nu + kRays, tile.u.back());
   cells_.resize(nu);
-  crossings_.resize(room);
-  rays_.resize(room);
+  crossings_.resize(room), rays_.resize(room);
   const CellUnits cells(*tile.axis);
-  const bool is_graded = tile.axis->is_graded();
-  on_vector_unit([&, nu, all = out.all.data(), next = next_.data(), crossings = crossings_.data(), rays = rays_.data(), u = u_.data()]()
-                     TERACELL_IN_LINE {
-                       for (size_t s = 0; s < found_;) {
-                         const uint32_t first_facet = spans_[s].facet() / kFacets * kFacets;
-                         const LaneHeights heights(FacetLanes(facets.subspan(first_facet), tile.frame), cells);
-                         const auto is_in_block = [&](const Span& span) TERACELL_IN_LINE { return span.facet() - first_facet < kFacets; };
-                         while (s < found_ && is_in_block(spans_[s])) {
+  on_vector_unit([&, all = out.all.data(), next = next_.data()]() TERACELL_IN_LINE {
+    uint64_t* const crossings = crossings_.data();
+    uint32_t* const rays = rays_.data();
+    for (size_t s = 0; s < found_;) {
+      const uint32_t block = spans_[s].facet() / kFacets;
+      const LaneHeights heights(FacetLanes(facets.subspan(block * kFacets), tile.frame), cells);
+      while (s < found_ && spans_[s].facet() / kFacets == block) {
         // Crossings are gathered first, as rows were.
-                           const size_t first = s;
-                           size_t gathered = 0;
-                           LaneHeights::Far far{};
-                           for (; s < found_; ++s) {
-                             const Span span = spans_[s];
-                             const size_t size = span.to() - span.from();
-                             if (!is_in_block(span) || gathered + size + kRays > room) break;
-                             const uint32_t ray = span.row() * nu + span.from();
-                             heights.cross(span.facet() - first_facet, u + span.from(), size, tile.v[span.row()], span.up(), ray,
-                                           crossings + gathered, rays + gathered, far);
-                             gathered += size;
-                           }
-                           if (is_graded || *std::max_element(far.begin(), far.end()) >= 0.5)
-                             decide({&spans_[first], s - first}, tile, facets, crossings);
-                           for (size_t k = 0; k < gathered; ++k) all[next[rays[k]]++] = crossings[k];
-                         }
-                       }
-                     });
+        const size_t first = s;
+        size_t gathered = 0;
+        LaneHeights::Far far{};
+        for (; s < found_; ++s) {
+          const Span span = spans_[s];
+          if (span.facet() / kFacets != block || gathered + span.size() + kRays > room) break;
+          cross(heights, tile, span, crossings + gathered, rays + gathered, far);
+          gathered += span.size();
+        }
+        if (LaneHeights::is_close(far)) decide({&spans_[first], s - first}, tile, facets, heights);
+        for (size_t k = 0; k < gathered; ++k) all[next[rays[k]]++] = crossings[k];
+      }
+    }
+  });
 }
 
-// Writes over the crossings of these spans, of which there is a close one.
-void ScanEngine::decide(std::span<const Span> spans, const Tile& tile, std::span<const SceneFacet* const> facets, uint64_t* crossings) {
+// Writes the crossings of a span, for whole blocks of rays, and the ray of each.
+TERACELL_IN_LINE inline void ScanEngine::cross(const LaneHeights& heights, const Tile& tile, const Span& span, uint64_t* crossings, uint32_t* rays,
+                                               LaneHeights::Far& far) const {
+  const uint32_t ray = span.row() * static_cast<uint32_t>(tile.u.size()) + span.from();
+  heights.cross(span.facet() % FacetLanes::kFacets, u_.data() + span.from(), span.size(), tile.v[span.row()], span.up(), ray, crossings, rays, far);
+}
+
+// Makes the gathered crossings of these spans once more, those of close ones exactly.
+void ScanEngine::decide(std::span<const Span> spans, const Tile& tile, std::span<const SceneFacet* const> facets, const LaneHeights& heights) {
   std::optional<FacetHeight> height;
   uint32_t facet = 0;
+  uint64_t* crossings = crossings_.data();
+  uint32_t* rays = rays_.data();
   for (const Span& span : spans) {
-    if (!height || span.facet() != facet) height.emplace(facets[facet = span.facet()]->facet, tile.frame, *tile.axis);
-    const std::span<const double> u(tile.u.data() + span.from(), span.to() - span.from());
-    height->first_cells(u, tile.v[span.row()], cells_.data(), exact_decisions_);
-    const uint64_t rest = Crossing::pack(0, facets[facet]->layer, span.up());
-    for (uint32_t i = 0; i < u.size(); ++i) *crossings++ = uint64_t{cells_[i]} << 32 | rest;
+    LaneHeights::Far far{};
+    const bool known = heights.can_tell(span.facet() % FacetLanes::kFacets);
+    if (known) cross(heights, tile, span, crossings, rays, far);
+    if (!known || LaneHeights::is_close(far)) {
+      if (!height || span.facet() != facet) height.emplace(facets[facet = span.facet()]->facet, tile.frame, *tile.axis);
+      height->first_cells({u_.data() + span.from(), span.size()}, tile.v[span.row()], cells_.data(), exact_decisions_);
+      const uint64_t rest = Crossing::pack(0, facets[facet]->layer, span.up());
+      for (uint32_t i = 0; i < span.size(); ++i) crossings[i] = uint64_t{cells_[i]} << 32 | rest;
+    }
+    crossings += span.size(), rays += span.size();
   }
 }
 
