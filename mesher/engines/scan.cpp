@@ -30,6 +30,7 @@ class ScanEngine : public Engine {
     uint32_t from() const { return static_cast<uint32_t>(rays); }
     uint32_t to() const { return static_cast<uint32_t>(rays >> 32); }
     uint32_t size() const { return to() - from(); }
+    uint32_t first_ray(const Tile& tile) const { return row() * static_cast<uint32_t>(tile.u.size()) + from(); }
   };
   void find_spans(const Tile& tile, std::span<const SceneFacet* const> facets);
   void find_heights(const Tile& tile, std::span<const SceneFacet* const> facets, Crossings& out);
@@ -163,8 +164,8 @@ void ScanEngine::find_heights(const Tile& tile, std::span<const SceneFacet* cons
 // Writes the crossings of a span, for whole blocks of rays, and the ray of each.
 TERACELL_IN_LINE inline void ScanEngine::cross(const LaneHeights& heights, const Tile& tile, const Span& span, uint64_t* crossings, uint32_t* rays,
                                                LaneHeights::Far& far) const {
-  const uint32_t ray = span.row() * static_cast<uint32_t>(tile.u.size()) + span.from();
-  heights.cross(span.facet() % FacetLanes::kFacets, u_.data() + span.from(), span.size(), tile.v[span.row()], span.up(), ray, crossings, rays, far);
+  const uint32_t i = span.facet() % FacetLanes::kFacets;
+  heights.cross(i, u_.data() + span.from(), span.size(), tile.v[span.row()], span.up(), span.first_ray(tile), crossings, rays, far);
 }
 
 // Makes the gathered crossings of these spans once more, those of close ones exactly.
@@ -181,7 +182,7 @@ void ScanEngine::decide(std::span<const Span> spans, const Tile& tile, std::span
       if (!height || span.facet() != facet) height.emplace(facets[facet = span.facet()]->facet, tile.frame, *tile.axis);
       height->first_cells({u_.data() + span.from(), span.size()}, tile.v[span.row()], cells_.data(), exact_decisions_);
       const uint64_t rest = Crossing::pack(0, facets[facet]->layer, span.up());
-      for (uint32_t i = 0; i < span.size(); ++i) crossings[i] = uint64_t{cells_[i]} << 32 | rest;
+      for (uint32_t i = 0; i < span.size(); ++i) crossings[i] = uint64_t{cells_[i]} << 32 | rest, rays[i] = span.first_ray(tile) + i;
     }
     crossings += span.size(), rays += span.size();
   }
