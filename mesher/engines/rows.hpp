@@ -40,8 +40,6 @@ class RayFinder {
   static constexpr double kRound = 0x1.8p52;
   // How close to a ray a place must be for rounding to matter, if that of x itself is right; 1 if the rays are not evenly spaced.
   double slack() const { return slack_; }
-  // That of any edge whose ends have the sum `u` of absolute coordinates at most.
-  TERACELL_IN_LINE static double slack(double u) { return 9 * kRoundoff * u; }
   double per_ray() const { return per_ray_; }
 
   // The first ray at or above x.

@@ -4,8 +4,8 @@
 // at a height that is linear along the row (height.hpp).
 //
 // There are two passes. The first finds the spans of rays and counts them in a difference array, so that the second can write
-// every crossing directly to its ray. On nefertiti at 10^12 cells (26 x 26 rays per facet), a crossing takes about 3.5 ns, half
-// of it for the scattered write.
+// every crossing directly to its ray. Both prepare some facets side by side (facet_lanes.hpp). On nefertiti at 10^12 cells (26 x 26 rays per facet),
+// a crossing takes about 3.5 ns, half of it for the scattered write.
 //
 // After S. Patil, B. Ravi, "Voxel-based representation, display and thickness analysis of intricate shapes" (2005) and the
 // division-free ray casting of T. Ma, T. Ma, L. Hao (MSAM 2020); the error bounds are ours.
@@ -34,8 +34,8 @@ class ScanEngine : public Engine {
   };
   void find_spans(const Tile& tile, std::span<const SceneFacet* const> facets);
   void find_heights(const Tile& tile, std::span<const SceneFacet* const> facets, Crossings& out);
-  [[gnu::noinline]] void decide(std::span<const Span> spans, const Tile& tile, std::span<const SceneFacet* const> facets, const LaneHeights& heights);
-  void cross(const LaneHeights& heights, const Tile& tile, const Span& span, uint64_t* crossings, uint32_t* rays, LaneHeights::Far& far) const;
+  [[gnu::noinline]] void decide(std::span<const Span> spans, const Tile& tile, std::span<const SceneFacet* const> facets, const LaneHeights& heights,
+                                Crossings& out);
 
   std::vector<Span> spans_;  // the first found_ of them
   size_t found_ = 0;
@@ -68,12 +68,12 @@ void ScanEngine::cast(const Tile& tile, std::span<const SceneFacet* const> facet
 }
 
 void ScanEngine::find_spans(const Tile& tile, std::span<const SceneFacet* const> facets) {
-  constexpr uint32_t kFacets = FacetLanes::kFacets, kRows = LaneRows::kRows, kRoom = 256;
+  constexpr uint32_t kFacets = FacetLanes::kFacets, kMostRows = 8, kRoom = 256;
   const RayFinder rays(tile.u), rows(tile.v);
   const size_t stride = tile.u.size() + 1;
   counts_.assign(stride * rows.size(), 0);
   v_.assign(tile.v.begin(), tile.v.end());
-  v_.resize(tile.v.size() + kRows, tile.v.back());
+  v_.resize(tile.v.size() + kMostRows, tile.v.back());
   size_t found = 0;
   on_vector_unit([&, v = v_.data(), counts = counts_.data()]() TERACELL_IN_LINE {
     // Rows are gathered first, since facets meet different numbers of them: a loop over those of each would end where no processor expects it.
@@ -98,9 +98,20 @@ void ScanEngine::find_spans(const Tile& tile, std::span<const SceneFacet* const>
       for (uint32_t row = std::max(begin, facet.begin()); row < std::min(end, facet.end()); ++row) {
         const FacetRows::Rays r = facet.at(row, v[row], rays, exact_decisions_);
         of[gathered] = Span::pack(index, row, r.up), met[gathered] = uint64_t{r.to} << 32 | r.from;
-        if (++gathered > kRoom - kRows) add_gathered();
+        if (++gathered > kRoom - kMostRows) add_gathered();
       }
     };
+    // Facet i of a block, so many rows at once.
+    const auto gather = [&]<uint32_t kRows>(const LaneRows& block, uint32_t i, uint32_t index) TERACELL_IN_LINE {
+      const auto end = static_cast<uint32_t>(block.end[i]);
+      for (auto row = static_cast<uint32_t>(block.begin[i]); row < end; row += kRows) {
+        if (block.rays_of<kRows>(i, v + row, Span::pack(index, row, false), rays, of + gathered, met + gathered))
+          gathered += std::min(end - row, kRows);
+        else gather_exactly(index, row, row + kRows);
+        if (gathered > kRoom - kMostRows) add_gathered();
+      }
+    };
+    const bool two_lanes = vector_unit == VectorUnit::kPlain;
     for (uint32_t first = 0; first < facets.size(); first += kFacets) {
       // Facets come in the order of their heights and lie scattered in memory. Without prefetching, waiting for them took a quarter
       // of the time of this loop.
@@ -111,17 +122,9 @@ void ScanEngine::find_spans(const Tile& tile, std::span<const SceneFacet* const>
       }
       const LaneRows block(FacetLanes(facets.subspan(first), tile.frame), rays, rows);
       for (uint32_t i = 0; i < std::min<size_t>(kFacets, facets.size() - first); ++i) {
-        if (block.is_sure[i] == 0) {
-          gather_exactly(first + i, 0, rows.size());
-          continue;
-        }
-        const auto end = static_cast<uint32_t>(block.end[i]);
-        for (auto row = static_cast<uint32_t>(block.begin[i]); row < end; row += kRows) {
-          const bool is_sure = block.rays_of(i, v + row, Span::pack(first + i, row, false), rays, of + gathered, met + gathered);
-          if (is_sure) gathered += std::min(end - row, kRows);
-          else gather_exactly(first + i, row, row + kRows);
-          if (gathered > kRoom - kRows) add_gathered();
-        }
+        if (block.is_sure[i] == 0) gather_exactly(first + i, 0, rows.size());
+        else if (two_lanes) gather.template operator()<2>(block, i, first + i);
+        else gather.template operator()<kMostRows>(block, i, first + i);
       }
     }
     add_gathered();
@@ -130,61 +133,70 @@ void ScanEngine::find_spans(const Tile& tile, std::span<const SceneFacet* const>
 }
 
 void ScanEngine::find_heights(const Tile& tile, std::span<const SceneFacet* const> facets, Crossings& out) {
-  constexpr uint32_t kFacets = FacetLanes::kFacets, kRays = LaneHeights::kRays;
+  constexpr size_t kFacets = FacetLanes::kFacets, kRays = LaneHeights::kRays;
   const size_t nu = tile.u.size(), room = std::max<size_t>(192, nu) + kRays;
   u_.assign(tile.u.begin(), tile.u.end());
   u_.resize(nu + kRays, tile.u.back());
   cells_.resize(nu);
   crossings_.resize(room), rays_.resize(room);
   const CellUnits cells(*tile.axis);
-  on_vector_unit([&, all = out.all.data(), next = next_.data()]() TERACELL_IN_LINE {
-    uint64_t* const crossings = crossings_.data();
-    uint32_t* const rays = rays_.data();
+  const bool wide = out.all.size() > 6 * found_;
+  on_vector_unit([&, wide, all = out.all.data(), next = next_.data(), crossings = crossings_.data(), rays = rays_.data()]() TERACELL_IN_LINE {
     for (size_t s = 0; s < found_;) {
-      const uint32_t block = spans_[s].facet() / kFacets;
+      const size_t block = spans_[s].facet() / kFacets;
       const LaneHeights heights(FacetLanes(facets.subspan(block * kFacets), tile.frame), cells);
+      const auto cross = [&](const Span& span, uint64_t* to, LaneHeights::Far& far) TERACELL_IN_LINE {
+        heights.cross(span.facet() % kFacets, u_.data() + span.from(), span.size(), tile.v[span.row()], span.up(), to, far);
+      };
       while (s < found_ && spans_[s].facet() / kFacets == block) {
-        // Crossings are gathered first, as rows were.
         const size_t first = s;
-        size_t gathered = 0;
         LaneHeights::Far far{};
-        for (; s < found_; ++s) {
-          const Span span = spans_[s];
-          if (span.facet() / kFacets != block || gathered + span.size() + kRays > room) break;
-          cross(heights, tile, span, crossings + gathered, rays + gathered, far);
-          gathered += span.size();
+        if (wide) {  // of one facet
+          for (const uint32_t facet = spans_[s].facet(); s < found_ && spans_[s].facet() == facet; ++s) {
+            const Span span = spans_[s];
+            cross(span, crossings, far);
+            uint32_t* const place = next + span.first_ray(tile);
+            for (uint32_t i = 0, size = span.size(); i < size; ++i) all[place[i]++] = crossings[i];
+          }
+        } else {  // of several facets, gathered before they are spread, as rows were
+          size_t gathered = 0;
+          for (; s < found_; ++s) {
+            const Span span = spans_[s];
+            if (span.facet() / kFacets != block || gathered + span.size() + kRays > room) break;
+            cross(span, crossings + gathered, far);
+            const uint32_t ray = span.first_ray(tile);
+            const size_t size = span.size();
+            for (size_t k = 0; k < size; k += kRays)
+#pragma GCC unroll 1
+              for (size_t j = 0; j < kRays; ++j) rays[gathered + k + j] = ray + static_cast<uint32_t>(k + j);
+            gathered += size;
+          }
+          for (size_t k = 0; k < gathered; ++k) all[next[rays[k]]++] = crossings[k];
         }
-        if (LaneHeights::is_close(far)) decide({&spans_[first], s - first}, tile, facets, heights);
-        for (size_t k = 0; k < gathered; ++k) all[next[rays[k]]++] = crossings[k];
+        if (LaneHeights::is_close(far)) decide({&spans_[first], s - first}, tile, facets, heights, out);
       }
     }
   });
 }
 
-// Writes the crossings of a span, for whole blocks of rays, and the ray of each.
-TERACELL_IN_LINE inline void ScanEngine::cross(const LaneHeights& heights, const Tile& tile, const Span& span, uint64_t* crossings, uint32_t* rays,
-                                               LaneHeights::Far& far) const {
-  const uint32_t i = span.facet() % FacetLanes::kFacets;
-  heights.cross(i, u_.data() + span.from(), span.size(), tile.v[span.row()], span.up(), span.first_ray(tile), crossings, rays, far);
-}
-
-// Makes the gathered crossings of these spans once more, those of close ones exactly.
-void ScanEngine::decide(std::span<const Span> spans, const Tile& tile, std::span<const SceneFacet* const> facets, const LaneHeights& heights) {
+// Spreads the crossings of the last spans once more, those of close ones as exact arithmetic has them.
+void ScanEngine::decide(std::span<const Span> spans, const Tile& tile, std::span<const SceneFacet* const> facets, const LaneHeights& heights,
+                        Crossings& out) {
+  for (const Span& span : spans)
+    for (uint32_t i = 0; i < span.size(); ++i) --next_[span.first_ray(tile) + i];
   std::optional<FacetHeight> height;
   uint32_t facet = 0;
-  uint64_t* crossings = crossings_.data();
-  uint32_t* rays = rays_.data();
   for (const Span& span : spans) {
+    const size_t place = span.facet() % FacetLanes::kFacets;
     LaneHeights::Far far{};
-    const bool known = heights.can_tell(span.facet() % FacetLanes::kFacets);
-    if (known) cross(heights, tile, span, crossings, rays, far);
-    if (!known || LaneHeights::is_close(far)) {
+    heights.cross(place, u_.data() + span.from(), span.size(), tile.v[span.row()], span.up(), crossings_.data(), far);
+    if (!heights.can_tell(place) || LaneHeights::is_close(far)) {
       if (!height || span.facet() != facet) height.emplace(facets[facet = span.facet()]->facet, tile.frame, *tile.axis);
       height->first_cells({u_.data() + span.from(), span.size()}, tile.v[span.row()], cells_.data(), exact_decisions_);
       const uint64_t rest = Crossing::pack(0, facets[facet]->layer, span.up());
-      for (uint32_t i = 0; i < span.size(); ++i) crossings[i] = uint64_t{cells_[i]} << 32 | rest, rays[i] = span.first_ray(tile) + i;
+      for (uint32_t i = 0; i < span.size(); ++i) crossings_[i] = uint64_t{cells_[i]} << 32 | rest;
     }
-    crossings += span.size(), rays += span.size();
+    for (uint32_t i = 0; i < span.size(); ++i) out.all[next_[span.first_ray(tile) + i]++] = crossings_[i];
   }
 }
 

@@ -10,6 +10,9 @@
 namespace teracell::mesher {
 namespace {
 
+// Bins that are loaded ahead: each takes a sixteenth of the memory.
+constexpr int kMostAhead = 8;
+
 std::vector<bool> which_move(const Scene& scene) {
   std::vector<bool> out;
   for (const SceneBody& body : scene.bodies) out.push_back(body.matrix != kIdentity);
@@ -78,7 +81,7 @@ Tiling& TiledFacets::tile(const TreeRange& range, bool count, bool again) {
   auto bins = fill_bins(count ? TreeRange() : range, again);
   if (bins->in_memory()) held_ = std::max(held_, bins->bytes());
   else spilled_ += bins->bytes();
-  return tiling_.emplace(std::move(bins), count ? &binned_ : nullptr, threads_ > 1 ? threads_ : 0, meta_, range);
+  return tiling_.emplace(std::move(bins), count ? &binned_ : nullptr, threads_ > 1 ? std::min(threads_, kMostAhead) : 0, meta_, range);
 }
 
 void TiledFacets::take_from_memory(bool count) {

@@ -21,6 +21,7 @@ class BinnedCounter {
   class Bin {
    public:
     Bin(BinnedCounter& all, uint64_t facets);
+    Bin(const Bin&) = delete;
     void add(const BinnedFacet& facet);
     void finish();  // after the last facet
 

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "mesher/closing/vertex_hash.hpp"
 #include "store/base/error.hpp"
 #include "store/format/format.hpp"
 
@@ -38,6 +39,13 @@ const uint8_t* take_coordinates(const uint8_t* from, Facet& facet) {
   std::memcpy(all.data(), from, sizeof all);
   for (int i = 0; i < 9; ++i) facet.vertex[i / 3][i % 3] = all[i];
   return from + sizeof all;
+}
+
+// By the facet's first coordinates, so that it does not matter in what order facets come.
+bool is_one_of_eight(std::span<const uint8_t> record) {
+  std::array<uint64_t, 2> bits;
+  std::memcpy(bits.data(), record.data(), sizeof bits);
+  return fold(bits[0] ^ kHashKeys[0], bits[1] ^ kHashKeys[1]) % 8 == 0;
 }
 
 uint64_t expected_bytes(uint64_t facets, size_t record_bytes) {
@@ -100,13 +108,13 @@ uint64_t FacetBins::bins_below(const TreePlace& place, int depth) const {
 
 uint64_t FacetBins::bins_at(int depth) const { return bins_below(rays_.root(), depth); }
 
-inline FacetBins::UnitRange FacetBins::units_of(const RayRange& r) const {
+FacetBins::UnitRange FacetBins::units_of(const RayRange& r) const {
   const uint32_t u = rays_.shape.nu - 1, v = rays_.shape.nv - 1;
   const Side& unit = rays_.unit;
   return {unit.of(std::min(r.u0, u)), unit.of(std::min(r.u1, u)), unit.of(std::min(r.v0, v)), unit.of(std::min(r.v1, v))};
 }
 
-inline void FacetBins::encode(const Facet& facet, uint32_t tag, uint32_t patch, std::span<uint8_t> record) const {
+void FacetBins::encode(const Facet& facet, uint32_t tag, uint32_t patch, std::span<uint8_t> record) const {
   uint8_t* const to = float32_ ? put_coordinates<float>(facet, record.data()) : put_coordinates<double>(facet, record.data());
   std::memcpy(to, &tag, sizeof tag);
   if (patches_) std::memcpy(to + sizeof tag, &patch, sizeof patch);
@@ -129,11 +137,12 @@ void FacetBins::make_ready(std::span<const Facet> facets, uint32_t layer, Origin
 void FacetBins::add(std::span<const uint8_t> ready) {
   UnitRange units;
   const int shift = rays_.shift(first_);
+  const auto bin = [shift](uint64_t unit) { return unit >> shift; };  // by as many bits as a unit has, if there is one bin
   for (; !ready.empty(); ready = ready.subspan(sizeof units + record_bytes_)) {
     std::memcpy(&units, ready.data(), sizeof units);
     const auto record = ready.subspan(sizeof units, record_bytes_);
-    for (uint32_t v = units.first_v >> shift; v <= units.last_v >> shift; ++v)
-      for (uint32_t u = units.first_u >> shift; u <= units.last_u >> shift; ++u) put(*first_bins_[v * first_u_ + u], units, record, nullptr);
+    for (uint64_t v = bin(units.first_v); v <= bin(units.last_v); ++v)
+      for (uint64_t u = bin(units.first_u); u <= bin(units.last_u); ++u) put(*first_bins_[v * first_u_ + u], units, record, nullptr);
   }
 }
 
@@ -167,7 +176,7 @@ uint64_t FacetBins::facets_here(const TreePlace& place, const UnitRange& units, 
   return 1 + static_cast<uint64_t>(here * static_cast<double>(part.facets));
 }
 
-// Puts what lies in a bin, a facet or the record of a part, into those below it.
+// Puts a facet, or the record of a part, into a bin or into those below it.
 void FacetBins::put(Bin& bin, const UnitRange& units, std::span<const uint8_t> record, const BinnedPart* part) {
   constexpr uint32_t kMostCopies = 4;  // of a part's record among the children of a bin: more of them would read the part too often
   if (!bin.wanted) return;
@@ -186,14 +195,15 @@ void FacetBins::put(Bin& bin, const UnitRange& units, std::span<const uint8_t> r
     for (uint32_t u = in.u0; u <= in.u1; ++u) put(bin.children[v * kFanOut + u], units, record, part);
 }
 
-inline void FacetBins::put_here(Bin& bin, const UnitRange& units, std::span<const uint8_t> record, const BinnedPart* part) {
+void FacetBins::put_here(Bin& bin, const UnitRange& units, std::span<const uint8_t> record, const BinnedPart* part) {
   const uint64_t facets = part ? facets_here(bin.place, units, *part) : 1;
   bin.facets += facets;
-  // A part's facets are spread when it is read, so each counts once. Of others some are enough.
-  if (constexpr uint64_t kOneOf = 8; bin.place.depth <= 0 && bin.place.depth > rays_.lowest && (part || bin.facets % kOneOf == 1)) {
-    bin.looked_at += facets;
-    bin.copies += part ? facets : bins_met(bin.place, units, below(bin.place.depth));
-    bin.copies_next += part ? facets : bins_met(bin.place, units, bin.place.depth - 1);
+  // A part's facets are spread when it is read, so each counts once. Of other facets one of eight stands for all.
+  if (bin.place.depth <= 0 && bin.place.depth > rays_.lowest && (part || is_one_of_eight(record))) {
+    const uint64_t all = part ? facets : 8;
+    bin.looked_at += all;
+    bin.copies += part ? facets : all * bins_met(bin.place, units, below(bin.place.depth));
+    bin.copies_next += part ? facets : all * bins_met(bin.place, units, bin.place.depth - 1);
   }
   if (bin.buffer.empty()) bin.buffer.resize(whole_pages(bin.room));
   std::memcpy(bin.buffer.data() + bin.buffered, record.data(), record.size());

@@ -74,7 +74,7 @@ class FacetBins {
     TreePlace place;
     bool wanted = true;  // it lies in the range, at least in part
     uint64_t facets = 0;
-    // Of a group, or less than one: of some of its facets how many copies lie in the bins that it may be split into, at two depths.
+    // Of a group, or less than one: facets that stand for all, and how many bins they would lie in if it were split, at two depths.
     uint64_t looked_at = 0, copies = 0, copies_next = 0;
     size_t room = 0;  // of the buffer, in bytes
     std::vector<uint8_t> buffer;  // the first `buffered` bytes are used
@@ -145,9 +145,9 @@ class FacetBins {
   uint64_t end_ = 0;  // of the file, including what is not written yet
   std::vector<BinnedPart> parts_;
   Bin root_;
-  int first_;  // the depth of the bins that there were first, and these row by row: facets need not go down to them from the root
-  uint32_t first_u_;
-  std::vector<Bin*> first_bins_;
+  int first_;                      // the depth of the bins that there were first
+  uint32_t first_u_;               // how many of them lie side by side
+  std::vector<Bin*> first_bins_;   // row by row: facets need not go down to them from the root
   Background writer_;  // the last member, since its thread uses the file
 };
 

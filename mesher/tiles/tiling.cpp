@@ -120,7 +120,7 @@ Tiling::Node Tiling::load(const TreePlace& place) const {
 }
 
 Tiling::Node Tiling::take_bin(const TreePlace& place) {
-  if (!bins_->has_facets(place)) return load(place);
+  if (!bins_->has_facets(place)) return load(place);  // nothing was loaded ahead
   std::future<Node> loading;
   if (!next_bins_.empty()) {
     loading = std::move(next_bins_.front());
@@ -130,7 +130,8 @@ Tiling::Node Tiling::take_bin(const TreePlace& place) {
   return loading.valid() ? loading.get() : load(place);
 }
 
-// Goes along the path as next() will. Without looking into nodes that are split, all threads waited for the first bin of each.
+// Goes along the path as next() will, and puts children in the place of nodes that are split. (Without that all threads waited for the first bin of
+// each.)
 void Tiling::load_ahead() {
   size_t bins = 0;
   for (size_t n = path_.size(); n > 0 && next_bins_.size() < ahead_;) {
