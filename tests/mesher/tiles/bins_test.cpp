@@ -374,5 +374,31 @@ TEST_CASE("No facets are a bin without facets, and need no room") {
   }
 }
 
+TEST_CASE("A facet goes into the one bin of a grid whose rays need as many bits as a number has") {
+  const Metadata meta = tile_grid(2, Axis::uniform(0, 1, 0, 2'000'000'000, 0.5), Axis::uniform(0, 1, 0, 4, 0.5), Axis::uniform(0, 1, 0, 4, 0.5), 64);
+  const TempFolder folder;
+  const auto bins = filled(meta, numbered({Facet{{Vec3{1000.2, 0.2, 1}, Vec3{1009, 1.2, 2}, Vec3{1005, 3.9, 3}}}}), folder);
+  CHECK(bins->facets(GridRays(meta).root()) == 1);
+}
+
+TEST_CASE("A group is split if most of its facets are small, in whatever order they come") {
+  const Metadata meta = tile_grid(2, Axis::uniform(0, 1, 0, 256, 0.5), Axis::uniform(0, 1, 0, 256, 0.5), Axis::uniform(0, 1, 0, 9, 0.5), 64);
+  for (const bool mostly_small : {false, true}) {
+    std::mt19937_64 random(1);
+    std::vector<Facet> facets;
+    for (int i = 0; i < 4000; ++i) {
+      const bool small = mostly_small ? i % 32 != 0 : i % 8 == 0;
+      const double size = small ? 1 : 200, u = small ? random_in(random, 0, 256) : 128, v = small ? random_in(random, 0, 256) : 128;
+      Facet& f = facets.emplace_back();
+      for (Vec3& p : f.vertex) p = {u + random_in(random, -size, size), v + random_in(random, -size, size), random_in(random, 0, 9)};
+    }
+    for (const bool shuffled : {false, true}) {
+      if (shuffled) std::ranges::shuffle(facets, random);
+      const TempFolder folder;
+      CHECK(filled(meta, numbered(facets), folder)->is_split({0, 0, 0}) == mostly_small);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace teracell::mesher
