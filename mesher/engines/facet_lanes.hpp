@@ -87,7 +87,7 @@ struct LaneRows {
     uint64_t ofs[kRows], mets[kRows];  // a compiler does not know that `of` and `met` are apart from `v`
     double far[kRows];
 #pragma GCC unroll 1
-    for (uint32_t r = 0; r < kRows; ++r) {
+    for (size_t r = 0; r < kRows; ++r) {
       const bool is_lower = v[r] < v1;
       const double s = rays.place_of(u0 + (v[r] - v0) * longest), whole_s = s + RayFinder::kRound;
       const double t = rays.place_of((is_lower ? u0 : u1) + (v[r] - (is_lower ? v0 : v1)) * (is_lower ? lower : upper));
@@ -96,10 +96,10 @@ struct LaneRows {
       ofs[r] = (whole_s < whole_t ? turned : straight) + 2 * r;
       far[r] = std::max(std::abs(s - (whole_s - RayFinder::kRound)), std::abs(t - (whole_t - RayFinder::kRound)));
     }
-    for (uint32_t r = 0; r < kRows; ++r) met[r] = mets[r];
-    for (uint32_t r = 0; r < kRows; ++r) of[r] = ofs[r];
-    for (uint32_t half = kRows / 2; half > 0; half /= 2)
-      for (uint32_t r = 0; r < half; ++r) far[r] = std::max(far[r], far[r + half]);
+    for (size_t r = 0; r < kRows; ++r) met[r] = mets[r];
+    for (size_t r = 0; r < kRows; ++r) of[r] = ofs[r];
+    for (size_t half = kRows / 2; half > 0; half /= 2)
+      for (size_t r = 0; r < half; ++r) far[r] = std::max(far[r], far[r + half]);
     return far[0] < close;
   }
 
