@@ -41,11 +41,14 @@ const uint8_t* take_coordinates(const uint8_t* from, Facet& facet) {
   return from + sizeof all;
 }
 
-// By the facet's first coordinates, so that it does not matter in what order facets come.
+// By a hash, so that it does not matter in what order facets come.
 bool is_one_of_eight(std::span<const uint8_t> record) {
-  std::array<uint64_t, 2> bits;
-  std::memcpy(bits.data(), record.data(), sizeof bits);
-  return fold(bits[0] ^ kHashKeys[0], bits[1] ^ kHashKeys[1]) % 8 == 0;
+  uint64_t hash = 0, word;
+  for (size_t i = 0; (i + 1) * sizeof word <= record.size(); ++i) {
+    std::memcpy(&word, record.data() + i * sizeof word, sizeof word);
+    hash ^= fold(word ^ kHashKeys[i % 8], kHashKeys[(i + 1) % 8]);
+  }
+  return hash % 8 == 0;
 }
 
 uint64_t expected_bytes(uint64_t facets, size_t record_bytes) {
