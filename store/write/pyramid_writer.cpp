@@ -36,38 +36,45 @@ Chunk join_pieces(const Chunk* pieces, uint32_t side, uint32_t stride, uint32_t 
 namespace {
 
 uint32_t child_at(uint32_t u, uint32_t v) { return v % kFanOut * kFanOut + u % kFanOut; }
+uint32_t quarter_of(uint32_t child) { return child / (2 * kFanOut) * 2 + child % kFanOut / 2; }
 
 }  // namespace
 
 PyramidNode::PyramidNode(const Metadata& meta, int level, uint32_t u, uint32_t v, bool whole, std::shared_ptr<PyramidNode> above)
     : meta_(meta), level_(level), u_(u), v_(v), whole_(whole), above_(std::move(above)) {
   const LevelShape below(meta, level);
-  unput_ = std::min(kFanOut, below.chunks_u - u * kFanOut) * std::min(kFanOut, below.chunks_v - v * kFanOut);
-  missing_ = unput_;
+  const uint32_t nu = std::min(kFanOut, below.chunks_u - u * kFanOut), nv = std::min(kFanOut, below.chunks_v - v * kFanOut);
+  unput_ = nu * nv;
+  for (uint32_t j = 0; j < nv; ++j)
+    for (uint32_t i = 0; i < nu; ++i) ++missing_[quarter_of(child_at(i, j))];
+  for (const auto& missing : missing_) quarters_left_ += missing > 0;
 }
 
 void PyramidNode::add(uint32_t cu, uint32_t cv, Chunk coarsened, ChunkEncoder& encoder) {
-  Chunk& child = children_[child_at(cu, cv)];
-  if (child.rays.rays() != 0) throw FormatError(fmt::format("level {} chunk ({}, {}): it is there twice", level_, cu, cv));
-  child = std::move(coarsened);
-  if (--missing_ == 0 && whole_) make(encoder);
+  const uint32_t at = child_at(cu, cv), q = quarter_of(at);
+  if (children_[at].rays.rays() != 0) throw FormatError(fmt::format("level {} chunk ({}, {}): it is there twice", level_, cu, cv));
+  children_[at] = std::move(coarsened);
+  if (--missing_[q] > 0 || !whole_) return;
+  make_quarter(q, encoder);
+  if (--quarters_left_ == 0) make_even(encoder);
 }
 
-// First the 2 x 2 chunks of the odd level, then from them the chunk of the even level above.
-void PyramidNode::make(ChunkEncoder& encoder) {
-  const int levels = meta_.grid.levels();
+void PyramidNode::make_quarter(uint32_t q, ChunkEncoder& encoder) {
   const auto labels = static_cast<uint32_t>(meta_.labels.size());
-  std::array<Chunk, 4> quarters;
-  for (uint32_t q = 0; q < 4; ++q) {
-    const Chunk rays = join_pieces(&children_[size_t{2} * (q / 2 * kFanOut + q % 2)], 2, kFanOut, meta_.chunk_rays, labels);
-    if (rays.rays.rays() == 0) continue;
-    chunks_.push_back(encode_level(encoder, meta_, level_ + 1, u_ * 2 + q % 2, v_ * 2 + q / 2, rays));
-    if (level_ + 2 < levels) quarters[q] = coarsen(rays, 1);
-  }
-  if (level_ + 2 >= levels) return;
-  const Chunk even = join_pieces(quarters.data(), 2, 2, meta_.chunk_rays, labels);
-  chunks_.push_back(encode_level(encoder, meta_, level_ + 2, u_, v_, even));
-  if (above_) above_->add(u_, v_, coarsen(even, 1), encoder);
+  const Chunk rays = join_pieces(&children_[size_t{2} * (q / 2 * kFanOut + q % 2)], 2, kFanOut, meta_.chunk_rays, labels);
+  if (rays.rays.rays() == 0) return;
+  odd_[q] = encode_level(encoder, meta_, level_ + 1, u_ * 2 + q % 2, v_ * 2 + q / 2, rays);
+  if (level_ + 2 < meta_.grid.levels()) quarters_[q] = coarsen(rays, 1);
+}
+
+void PyramidNode::make_even(ChunkEncoder& encoder) {
+  for (uint32_t q = 0; q < 4; ++q)  // those whose children were all made before the run was resumed
+    if (odd_[q].segments.empty()) make_quarter(q, encoder);
+  if (level_ + 2 >= meta_.grid.levels()) return;
+  const Chunk rays = join_pieces(quarters_.data(), 2, 2, meta_.chunk_rays, static_cast<uint32_t>(meta_.labels.size()));
+  quarters_ = {};
+  even_ = encode_level(encoder, meta_, level_ + 2, u_, v_, rays);
+  if (above_) above_->add(u_, v_, coarsen(rays, 1), encoder);
 }
 
 PyramidWriter::PyramidWriter(ChunkSink& sink, const TreeRange& range)
@@ -84,7 +91,8 @@ std::shared_ptr<PyramidNode> PyramidWriter::node_above(int level, uint32_t cu, u
     if (before[i].rays.rays() == 0) continue;
     node->children_[i] = std::exchange(before[i], {});
     node->put_[i] = true;
-    --node->missing_, --node->unput_;
+    --node->unput_;
+    if (--node->missing_[quarter_of(i)] == 0) --node->quarters_left_;  // not to 0: a node whose children are all put is no longer saved
   }
   return node;
 }
@@ -99,7 +107,8 @@ void PyramidWriter::put_above(const std::shared_ptr<PyramidNode>& first, uint32_
     if (!node->whole_) return sink_.put_child(node->level_, cu, cv, std::exchange(node->children_[child_at(cu, cv)], {}));
     node->put_[child_at(cu, cv)] = true;
     if (--node->unput_ > 0) return;
-    for (const LevelChunk& chunk : node->chunks_) put(chunk);
+    for (const LevelChunk& chunk : node->odd_) put(chunk);
+    put(node->even_);
   }
 }
 

@@ -12,8 +12,8 @@ namespace teracell::inline store {
 
 // The chunks of a block of whole rays, ready to be written: one for each segment.
 struct LevelChunk {
-  int level;
-  uint32_t cu, cv;
+  int level = 0;
+  uint32_t cu = 0, cv = 0;
   std::vector<EncodedChunk> segments;
 };
 
@@ -28,14 +28,16 @@ Chunk join_pieces(const Chunk* pieces, uint32_t side, uint32_t stride, uint32_t 
 // level below that, their children.
 class PyramidNode {
  public:
-  // Adds the child (cu, cv), coarsened by one level. The thread that adds the last child makes the node, and adds it to the node
-  // above. Any thread.
+  // Adds the child (cu, cv), coarsened by one level. The thread that adds the last child of a quarter makes the quarter, and of the last
+  // quarter also the even level, which it adds to the node above. (When the whole node waited for its last child, a small grid had all of
+  // its upper levels made at the end, by one thread: 1.5 of 75 ms at 1000 x 1000 rays.) Any thread.
   void add(uint32_t cu, uint32_t cv, Chunk coarsened, ChunkEncoder& encoder);
 
  private:
   friend class PyramidWriter;
   PyramidNode(const Metadata& meta, int level, uint32_t u, uint32_t v, bool whole, std::shared_ptr<PyramidNode> above);
-  void make(ChunkEncoder& encoder);
+  void make_quarter(uint32_t q, ChunkEncoder& encoder);
+  void make_even(ChunkEncoder& encoder);
 
   const Metadata& meta_;
   const int level_;  // of the children
@@ -43,8 +45,11 @@ class PyramidNode {
   const bool whole_;  // false: other parts of the grid have the other children
   const std::shared_ptr<PyramidNode> above_;  // null at the top
   std::array<Chunk, kChildren> children_;     // a checkpoint may need them until the node is put
-  std::atomic<uint32_t> missing_;
-  std::vector<LevelChunk> chunks_;
+  std::array<std::atomic<uint32_t>, 4> missing_{};  // children, by quarter
+  std::atomic<uint32_t> quarters_left_ = 0;
+  std::array<LevelChunk, 4> odd_;  // by quarter, without segments where there is none
+  std::array<Chunk, 4> quarters_;  // the same, coarsened
+  LevelChunk even_;
   uint32_t unput_;                        // children that are not put yet
   std::array<bool, kChildren> put_ = {};  // whether a child is
 };
