@@ -9,6 +9,7 @@
 #include "mesher/bodies/part_counts.hpp"
 #include "mesher/closing/extrude.hpp"
 #include "mesher/closing/lengths.hpp"
+#include "mesher/closing/surface_counts.hpp"
 #include "mesher/planes/make_planes.hpp"
 #include "mesher/scene/placement.hpp"
 #include "store/base/error.hpp"
@@ -23,11 +24,16 @@ constexpr uint64_t kBytesPerFacet = 160;
 // of the bytes. With 6.4 million facets both ways took the same processor time; with 25.6 million, bins took three quarters.
 constexpr uint64_t kMostTogether = uint64_t{8} << 20;
 
-// The one pass over all facets. Of each body it finds whether its surface is closed and whether it has opposite facets; of all of
-// them, where their matrices put them, the box and the areas of their projections.
+// The one pass over all facets. Of each body it finds whether its surface is closed, whether it has opposite facets, and, if `count`, how many of its
+// facets lie on others or have no area; of all of them, where their matrices put them, the box and the areas of their projections.
 class Study {
  public:
-  explicit Study(const Vec3& flat_slack) : flat_slack_(flat_slack) { begin(); }
+  Study(const Vec3& flat_slack, bool count) : flat_slack_(flat_slack) {
+    if (!count) count_no_longer();
+    begin();
+  }
+  // What the surfaces are made of will be counted when they are read once more.
+  void count_no_longer() { facets_.keep_sample(); }
   // Facets of one patch.
   template <class F>
   void take(std::span<const F> facets, const SceneBody& body, uint32_t patch) {
@@ -36,11 +42,14 @@ class Study {
     if (patch >= areas_.size()) areas_.resize(patch + 1);
     Vec3 lo = lo_, hi = hi_, area = area_;  // stay in registers
     double& patch_area = areas_[patch];
+    const bool counts = !facets_.is_sample();
+    uint64_t degenerate = 0;
     for (const F& f : facets) {
       const Facet& facet = facet_of(f);
       const std::array<VertexHash, 3> hashes = vertex_hashes(facet);
       boundary_.add(hashes);
-      opposites_.add(hashes);
+      facets_.add(hashes);
+      if (counts) degenerate += has_no_area(facet);
       std::array<Vec3, 3> p = facet.vertex;
       if (moves)
         for (Vec3& q : p) q = moved(q, body);
@@ -57,10 +66,12 @@ class Study {
       if (flat_.wanted()) flat_.take(p, size);
     }
     lo_ = lo, hi_ = hi, area_ = area;
+    degenerate_ += degenerate;
   }
   // REQUIRES: all facets of the body were taken.
   void end_body() {
-    bodies_.push_back({lo_, hi_, boundary_, opposites_.take_answer(), std::exchange(areas_, {}), std::move(flat_).found()});
+    const SurfaceCounts counts = facets_.is_sample() ? SurfaceCounts() : SurfaceCounts{degenerate_, facets_.duplicates(), facets_.opposite(), 0};
+    bodies_.push_back({lo_, hi_, boundary_, facets_.sample_has_opposites(), counts, std::exchange(areas_, {}), std::move(flat_).found()});
     begin();
   }
   void hand_over(Bodies& out) {
@@ -71,6 +82,7 @@ class Study {
       body.lo = bodies_[b].lo, body.hi = bodies_[b].hi;
       body.boundary = bodies_[b].boundary;
       body.opposites = bodies_[b].opposites;
+      body.facet_counts = bodies_[b].counts;
       body.areas = std::move(bodies_[b].areas);
       body.flat = std::move(bodies_[b].flat);
       for (int d = 0; d < 3; ++d) {
@@ -85,6 +97,7 @@ class Study {
     Vec3 lo, hi;
     BoundaryProof boundary;
     bool opposites;
+    SurfaceCounts counts;  // but of shells
     std::vector<double> areas;
     FlatFaces flat;
   };
@@ -93,12 +106,15 @@ class Study {
   void begin() {
     lo_.fill(HUGE_VAL), hi_.fill(-HUGE_VAL);
     boundary_ = {};
+    facets_.clear();
+    degenerate_ = 0;
     flat_ = FlatFaceSearch(flat_slack_);
   }
   Vec3 lo_, hi_, area_{};
   std::vector<double> areas_;  // of patches
   BoundaryProof boundary_;
-  OppositeSample opposites_;
+  FacetSet facets_;  // a sample, unless what the surfaces are made of is counted
+  uint64_t degenerate_ = 0;
   const Vec3 flat_slack_;
   FlatFaceSearch flat_;
   std::vector<Found> bodies_;
@@ -134,7 +150,7 @@ class BodyReader {
         most_(std::min(budget.bytes / 8 * 5 / kBytesPerFacet, together_ ? ~uint64_t{0} : kMostTogether)),
         count_(count),
         out_(out),
-        counts_(out.counts) {}
+        shells_(out.shells) {}
 
   void read(const std::function<void(double)>& progress) {
     out_.bodies.reserve(scene_.bodies.size());
@@ -156,7 +172,8 @@ class BodyReader {
                                 .face_patches = body.face_patches,
                                 .helper = out_.helper.get(),
                                 .expect = [&](uint64_t facets) { make_room(facets); },
-                                .enter_patch = [&](uint32_t patch) { patch_ = patch; }});
+                                .enter_patch = [&](uint32_t patch) { patch_ = patch; },
+                                .numbers = count_ ? &numbers_ : nullptr});
       if (KeptTree* kept = kept_of(body); kept && kept->tree->repeats()) {
         found.repeats = true;
         if (count_) found.counts = part_counts(*kept, body.part);
@@ -183,10 +200,12 @@ class BodyReader {
     size_t copied;
     bool ends;
     uint32_t patch;
+    bool numbered = false;  // the facets that are stored have numbers of vertices: those in Batch::numbers that come next
   };
   struct Batch {
     std::vector<Piece> pieces;
     std::shared_ptr<std::vector<Facet>> copies;  // null: there are none
+    std::vector<std::array<uint32_t, 3>> numbers;
     size_t facets = 0;
   };
 
@@ -199,9 +218,11 @@ class BodyReader {
       if (!batch_.copies) batch_.copies = copies_.next();
       batch_.copies->insert(batch_.copies->end(), facets.begin(), facets.end());
     }
+    const bool numbered = numbers_.size() == facets.size();
+    if (out_.in_memory && numbered) batch_.numbers.insert(batch_.numbers.end(), numbers_.begin(), numbers_.end());
     while (out_.in_memory && !facets.empty()) {
       const std::span<const SceneFacet> stored = out_.facets->append(facets, layer, patch_);
-      batch_.pieces.push_back({b, stored, 0, false, patch_});
+      batch_.pieces.push_back({b, stored, 0, false, patch_, numbered});
       facets = facets.subspan(stored.size());
     }
     if (batch_.facets >= kFacets) hand_on();
@@ -234,6 +255,7 @@ class BodyReader {
     hand_on();
     out_.helper->drop_later();
     out_.helper->finish();
+    study_->count_no_longer();
     out_.in_memory = false;
     out_.facets.reset();
   }
@@ -263,11 +285,12 @@ class BodyReader {
       }
     });
     if (!out_.in_memory || !count_) return;
-    out_.helper->run_later([counter = counter_, counts = counts_, batch] {
+    out_.helper->run_later([counter = counter_, shells = shells_, batch] {
+      const std::array<uint32_t, 3>* numbers = batch->numbers.data();
       for (const Piece& p : batch->pieces) {
-        for (const SceneFacet& f : p.stored) counter->add(f.facet);
+        for (const SceneFacet& f : p.stored) p.numbered ? counter->add(f.facet, *numbers++) : counter->add(vertex_hashes(f.facet));
         if (!p.ends) continue;
-        counts->push_back(counter->totals());
+        shells->push_back(counter->shells());
         *counter = {};
       }
     });
@@ -283,9 +306,10 @@ class BodyReader {
   std::vector<size_t> once_;  // bodies whose mesh was no regular file
   Bodies& out_;
   // Shared, because jobs may outlive the reading when it throws.
-  const std::shared_ptr<Study> study_ = std::make_shared<Study>(known_flat_slack(scene_));
-  const std::shared_ptr<SurfaceCounter> counter_ = std::make_shared<SurfaceCounter>();
-  const std::shared_ptr<std::vector<SurfaceCounts>> counts_;
+  const std::shared_ptr<Study> study_ = std::make_shared<Study>(known_flat_slack(scene_), count_);
+  const std::shared_ptr<ShellCounter> counter_ = std::make_shared<ShellCounter>();
+  const std::shared_ptr<std::vector<uint64_t>> shells_;
+  std::vector<std::array<uint32_t, 3>> numbers_;  // of the vertices of the facets that are being read
   JobLists<Facet> copies_;
   Batch batch_;
 };
@@ -304,7 +328,12 @@ bool Bodies::float32() const {
 
 std::vector<SurfaceCounts> Bodies::wait_for_counts() {
   helper->finish_all();
-  return *counts;
+  std::vector<SurfaceCounts> out;
+  for (size_t b = 0; b < bodies.size(); ++b) {
+    out.push_back(bodies[b].facet_counts);
+    out.back().shells = (*shells)[b];
+  }
+  return out;
 }
 
 Bodies read_bodies(const Scene& scene, const ExactSurfaces& exact, int threads, const Budget& budget, bool count,

@@ -26,6 +26,7 @@ struct BodyFacets {
   BoundaryProof boundary;
   bool repeats = false;                 // its tree does (part_tree.hpp)
   std::optional<SurfaceCounts> counts;  // then, if its shapes tell them (part_counts.hpp)
+  SurfaceCounts facet_counts;           // if they were to be counted and all facets are in memory: without shells
   bool opposites = false;  // two facets of a sample have the same vertices and opposite orientations
   ClosedBody closed;       // by close_bodies()
   std::shared_ptr<const CadOptions> cad;  // of exact surfaces: how they became facets
@@ -40,8 +41,8 @@ struct Bodies {
   Vec3 area{};  // of the facets' projections along x, y, z
   std::unique_ptr<KeptTrees> kept = std::make_unique<KeptTrees>();  // for bodies that take parts of the same files; for one thread
 
-  // What the surfaces in memory are made of decides no cell: it is counted beside the work, from the files' coordinates.
-  std::shared_ptr<std::vector<SurfaceCounts>> counts = std::make_shared<std::vector<SurfaceCounts>>();
+  // The shells of each body in memory. They decide no cell: they are counted beside the work, from the files' coordinates.
+  std::shared_ptr<std::vector<uint64_t>> shells = std::make_shared<std::vector<uint64_t>>();
   std::unique_ptr<Background> helper;  // last: its jobs use the others
   std::vector<SurfaceCounts> wait_for_counts();  // one per body. REQUIRES: in_memory, and they were to be counted
 

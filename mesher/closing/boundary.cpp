@@ -63,38 +63,6 @@ void BoundaryProof::add(const std::array<VertexHash, 3>& facet) {
   }
 }
 
-void OppositeSample::keep(uint64_t facet) {
-  if (facet > most_) return;
-  size_t i = place_of(facet);
-  while (table_[i] != 0 && (table_[i] ^ facet) > kOrientations) i = (i + 1) & (table_.size() - 1);
-  facets_ += table_[i] == 0;
-  table_[i] |= facet;
-  if (2 * facets_ <= table_.size()) return;
-  if (facets_ > kMost) most_ /= 2;
-  rehash(facets_ > kMost ? table_.size() : 4 * table_.size());
-}
-
-// Drops the facets that are no longer of the sample.
-void OppositeSample::rehash(size_t size) {
-  std::vector<uint64_t> kept;
-  kept.reserve(facets_);
-  for (const uint64_t facet : table_)
-    if (facet != 0 && facet <= most_) kept.push_back(facet);
-  table_.assign(size, 0);
-  facets_ = 0;
-  for (const uint64_t facet : kept) keep(facet);
-}
-
-bool OppositeSample::take_answer() {
-  for (uint64_t& facet : waiting_)
-    if (facet != 0) keep(std::exchange(facet, 0));
-  const bool found = std::ranges::any_of(table_, [](uint64_t facet) { return (facet & kOrientations) == kOrientations; });
-  most_ = ~uint64_t{0};
-  table_.assign(kLeastTable, 0);
-  facets_ = 0;
-  return found;
-}
-
 std::vector<BoundaryEdge> boundary_edges(const FacetPass& facets, uint64_t memory, const std::string& name) {
   std::vector<Bucket> buckets(size_t{1} << kBucketBits);
   const auto bucket_of = [](const std::array<uint64_t, 2>& edge) { return edge[1] >> (64 - kBucketBits); };

@@ -26,8 +26,8 @@ bool by_parity(ShellRule rule) { return rule == ShellRule::kEvenodd || rule == S
 // Groups edges that run the same way in two facets: edges that share a vertex are in one group.
 std::vector<Flip> group_flips(const std::vector<BoundaryEdge>& edges, const SceneBody& body) {
   std::unordered_map<uint32_t, size_t> group_of;  // by the edges' connected component, found as the shell of degenerate facets
-  SurfaceCounter graph;
-  for (const BoundaryEdge& e : edges) graph.add({{e.from, e.to, e.to}}, false);
+  ShellCounter graph;
+  for (const BoundaryEdge& e : edges) graph.add(vertex_hashes({{e.from, e.to, e.to}}));
   std::vector<Flip> flips;
   for (const BoundaryEdge& e : edges) {
     const auto [it, fresh] = group_of.try_emplace(graph.shell_of(vertex_hash(e.from)), flips.size());

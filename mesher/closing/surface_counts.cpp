@@ -6,11 +6,6 @@
 #include "mesher/engines/predicates.hpp"
 
 namespace teracell::mesher {
-namespace {
-
-bool has_no_area(const Facet& f) { return normal_sign(f, 2) == 0 && normal_sign(f, 1) == 0 && normal_sign(f, 0) == 0; }
-
-}  // namespace
 
 uint32_t VertexNumbers::operator()(const VertexHash& hash) {
   const Recent& recent = recent_[hash.low >> recent_shift_];
@@ -54,99 +49,53 @@ void VertexNumbers::rehash(size_t size) {
   }
 }
 
-// A hash is inserted a few calls later, when its place in the table has reached the cache. On a large mesh nearly every look-up
-// misses the cache, and waiting for memory took most of the time.
-void DistinctCount::add(uint64_t hash) {
-  hash |= uint64_t{hash < 2} << 1;  // 0 marks a free place
-  if (2 * (count_ + kWaiting) >= table_.size()) grow();
-  __builtin_prefetch(&table_[hash >> 1 & (table_.size() - 1)]);
-  std::swap(hash, waiting_[turn_++ % kWaiting]);
-  if (hash != 0) count_ += insert(hash);
-}
-
-uint64_t DistinctCount::count() {
-  for (size_t i = 0; i < kWaiting; ++i) {  // in order of arrival: of equal ones the first determines the orientation
-    uint64_t& hash = waiting_[(turn_ + i) % kWaiting];
-    if (hash != 0) count_ += insert(std::exchange(hash, 0));
-  }
-  return count_;
-}
-
-bool DistinctCount::insert(uint64_t hash) {
-  const size_t mask = table_.size() - 1;
-  size_t i = hash >> 1 & mask;
-  while (table_[i] != 0 && (table_[i] ^ hash) > 1) i = (i + 1) & mask;
-  if (table_[i] != 0) {
-    otherwise_ += table_[i] != hash;
-    return false;
-  }
-  table_[i] = hash;
-  return true;
-}
-
-void DistinctCount::grow() { rehash(std::max<size_t>(64, 4 * table_.size())); }
-
-void DistinctCount::rehash(size_t size) {
-  decltype(table_) old(size);
-  old.swap(table_);
-  for (const uint64_t hash : old)
-    if (hash != 0) insert(hash);
-}
-
-// A closed surface has about half as many vertices as facets.
-void SurfaceCounter::expect(uint64_t facets) {
-  numbers_.expect(facets / 2);
-  distinct_.expect(facets);
-}
-
-void SurfaceCounter::add(const Facet& facet, bool at_home) {
+void ShellCounter::add(const std::array<VertexHash, 3>& facet) {
   if (added_ - taken_ == kWaiting) take(waiting_[taken_++ % kWaiting]);
-  Waiting& last = waiting_[added_++ % kWaiting];
-  last = {vertex_hashes(facet), at_home};
-  for (const VertexHash& hash : last.vertices) numbers_.prefetch(hash);
-  for (const VertexHash& hash : waiting_[(added_ + kWaiting / 2) % kWaiting].vertices) numbers_.prefetch_known(hash);
-  if (at_home) degenerate_ += has_no_area(facet);
+  waiting_[added_++ % kWaiting] = facet;
+  for (const VertexHash& hash : facet) numbers_.prefetch(hash);
+  for (const VertexHash& hash : waiting_[(added_ + kWaiting / 2) % kWaiting]) numbers_.prefetch_known(hash);
 }
 
-void SurfaceCounter::take_waiting() {
+void ShellCounter::add(const Facet& facet, const std::array<uint32_t, 3>& numbers) {
+  ++numbered_;
+  const uint64_t most = uint64_t{8} * numbered_ + 65536;  // of a file with many vertices, few may be of its facets
+  if (std::max({numbers[0], numbers[1], numbers[2]}) >= most) return add(vertex_hashes(facet));
+  std::array<uint32_t, 3> v;
+  for (int i = 0; i < 3; ++i) {
+    if (numbers[i] >= known_.size()) known_.resize(std::max<size_t>(numbers[i] + size_t{1}, 2 * known_.size()));
+    uint32_t& known = known_[numbers[i]];
+    if (known == 0) known = number_of(vertex_hash(facet.vertex[i])) + 1;
+    v[i] = known - 1;
+  }
+  vertices_.join(v[1], v[0], v[2]);
+}
+
+uint32_t ShellCounter::number_of(const VertexHash& vertex) {
+  const uint32_t number = numbers_(vertex);
+  if (number == vertices_.size()) vertices_.add();
+  return number;
+}
+
+void ShellCounter::take(const std::array<VertexHash, 3>& facet) {
+  std::array<uint32_t, 3> v;
+  for (int i = 0; i < 3; ++i) v[i] = number_of(facet[i]);
+  vertices_.join(v[1], v[0], v[2]);
+}
+
+void ShellCounter::take_waiting() {
   while (taken_ < added_) take(waiting_[taken_++ % kWaiting]);
 }
 
-uint64_t SurfaceCounter::duplicates() {
-  take_waiting();
-  return facets_ - distinct_.count();
-}
-
-uint64_t SurfaceCounter::opposite() {
-  take_waiting();
-  return (distinct_.count(), distinct_.otherwise());
-}
-
-uint64_t SurfaceCounter::shells() {
+uint64_t ShellCounter::shells() {
   take_waiting();
   return vertices_.count();
 }
 
-uint32_t SurfaceCounter::shell_of(const VertexHash& vertex) {
+uint32_t ShellCounter::shell_of(const VertexHash& vertex) {
   take_waiting();
   return vertices_.of(numbers_(vertex));
 }
 
-void SurfaceCounter::take(const Waiting& facet) {
-  std::array<uint32_t, 3> v;
-  for (int i = 0; i < 3; ++i) {
-    v[i] = numbers_(facet.vertices[i]);
-    if (v[i] == vertices_.size()) vertices_.add();
-  }
-  vertices_.join(v[1], v[0], v[2]);
-  if (!facet.at_home) return;
-  ++facets_;
-  const bool odd = (v[0] > v[1]) ^ (v[1] > v[2]) ^ (v[0] > v[2]);  // whether sorting three different vertices reverses the facet
-  // In ascending order, so that the order of a facet's vertices does not matter. Without branches, which can't be predicted.
-  const uint32_t low = std::min(v[0], v[1]), high = std::max(v[0], v[1]);
-  const uint32_t least = std::min(low, v[2]), greatest = std::max(high, v[2]), middle = std::max(low, std::min(high, v[2]));
-  const bool turns = odd & (least != middle) & (middle != greatest);
-  distinct_.add((fold(fold(least ^ kHashKeys[0], middle ^ kHashKeys[1]) ^ kHashKeys[2], greatest ^ kHashKeys[3]) & ~uint64_t{1}) | turns);
-}
+bool has_no_area(const Facet& f) { return normal_sign(f, 2) == 0 && normal_sign(f, 1) == 0 && normal_sign(f, 0) == 0; }
 
 }  // namespace teracell::mesher

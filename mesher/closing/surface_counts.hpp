@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "mesher/closing/facet_set.hpp"
 #include "mesher/closing/vertex_hash.hpp"
 #include "mesher/surface/facet.hpp"
 #include "store/base/groups.hpp"
@@ -55,57 +56,62 @@ class VertexNumbers {
   std::vector<uint32_t, Populated<uint32_t>> table_;  // number + 1; 0 is free
 };
 
-// Counts distinct hashes. The lowest bit of a hash is an orientation and does not distinguish it. Of the hashes that come again,
-// those with another orientation than the first are counted too.
-class DistinctCount {
+// Counts the shells of a surface: groups of facets connected by equal vertices. Facets come in any order. Memory: some 15 bytes per facet. Not
+// thread-safe.
+class ShellCounter {
  public:
-  void add(uint64_t hash);
-  uint64_t count();
-  uint64_t otherwise() const { return otherwise_; }  // as of the latest call of count()
-  void expect(uint64_t hashes) { rehash(std::bit_ceil(2 * hashes + 1024)); }
-
- private:
-  static constexpr size_t kWaiting = 16;
-  bool insert(uint64_t hash);
-  void grow();
-  void rehash(size_t size);
-  std::vector<uint64_t, Populated<uint64_t>> table_;
-  std::array<uint64_t, kWaiting> waiting_{};
-  uint64_t count_ = 0, turn_ = 0, otherwise_ = 0;
-};
-
-// Takes facets one by one in any order. Memory: some 35 bytes per facet. Not thread-safe.
-class SurfaceCounter {
- public:
-  // Reserves memory, so that the tables need not grow.
-  void expect(uint64_t facets);
-  // Degenerate and duplicate facets are counted only if `at_home`, because counters of several parts of a surface may see the same
-  // facet.
-  void add(const Facet& facet, bool at_home = true);
-
-  uint64_t degenerate() const { return degenerate_; }  // facets without area, decided exactly
-  uint64_t duplicates();                               // facets with the three vertices of an earlier one
-  uint64_t opposite();                                 // duplicates whose orientation is opposite to the first one's
-  uint64_t shells();                                   // groups of facets connected by equal vertices
-  SurfaceCounts totals() { return {degenerate(), duplicates(), opposite(), shells()}; }
+  // Reserves memory, so that the tables need not grow. A closed surface has about half as many vertices as facets.
+  void expect(uint64_t facets) { numbers_.expect(facets / 2); }
+  void add(const std::array<VertexHash, 3>& facet);
+  // A facet of a file that names vertices by number: a vertex is hashed once only.
+  void add(const Facet& facet, const std::array<uint32_t, 3>& numbers);
+  uint64_t shells();
   // The shell of a vertex: the same number for all vertices of a shell. REQUIRES: a facet with that vertex was added.
   uint32_t shell_of(const VertexHash& vertex);
 
  private:
-  struct Waiting {
-    std::array<VertexHash, 3> vertices;
-    bool at_home;
-  };
   static constexpr size_t kWaiting = 8;
-  void take(const Waiting& facet);
+  void take(const std::array<VertexHash, 3>& facet);
   void take_waiting();
+  uint32_t number_of(const VertexHash& vertex);
 
   VertexNumbers numbers_;
-  DistinctCount distinct_;
-  Groups vertices_;  // those of one shell
-  std::array<Waiting, kWaiting> waiting_{};
-  uint64_t added_ = 0, taken_ = 0;  // facets that were added are taken some calls later, when their places in the tables have reached the cache
-  uint64_t facets_ = 0, degenerate_ = 0;
+  Groups vertices_;              // those of one shell
+  std::vector<uint32_t> known_;  // number + 1 of the vertices by their numbers in the file; 0: it has not come yet
+  // Facets that were added are taken some calls later, when their places in the tables have reached the cache.
+  std::array<std::array<VertexHash, 3>, kWaiting> waiting_{};
+  uint64_t added_ = 0, taken_ = 0;
+  uint64_t numbered_ = 0;  // facets that came with numbers
+};
+
+bool has_no_area(const Facet& facet);  // decided exactly
+
+// Counts the shells of a surface and its degenerate and duplicate facets. Facets come in any order. Not thread-safe.
+class SurfaceCounter {
+ public:
+  // Reserves memory, so that the tables need not grow.
+  void expect(uint64_t facets) { shells_.expect(facets), facets_.expect(facets); }
+  // Degenerate and duplicate facets are counted only if `at_home`, because counters of several parts of a surface may see the same
+  // facet.
+  void add(const Facet& facet, bool at_home = true) {
+    const std::array<VertexHash, 3> vertices = vertex_hashes(facet);
+    shells_.add(vertices);
+    if (!at_home) return;
+    facets_.add(vertices);
+    degenerate_ += has_no_area(facet);
+  }
+
+  uint64_t degenerate() const { return degenerate_; }              // facets without area
+  uint64_t duplicates() { return facets_.duplicates(); }           // facets with the three vertices of an earlier one
+  uint64_t opposite() { return facets_.opposite(); }               // duplicates whose orientation is opposite to the first one's
+  uint64_t shells() { return shells_.shells(); }
+  SurfaceCounts totals() { return {degenerate(), duplicates(), opposite(), shells()}; }
+  uint32_t shell_of(const VertexHash& vertex) { return shells_.shell_of(vertex); }
+
+ private:
+  ShellCounter shells_;
+  FacetSet facets_;
+  uint64_t degenerate_ = 0;
 };
 
 }  // namespace teracell::mesher

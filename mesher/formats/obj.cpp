@@ -143,8 +143,9 @@ class ObjReader {
       const char* p = line;
       if (p == end || *p++ != 'f') break;
       std::array<Vec3, 3> corners;
+      std::array<uint64_t, 3> numbers;
       bool plain = true;
-      for (Vec3& corner : corners) {
+      for (size_t i = 0; i < 3; ++i) {
         plain = p != end && is_space(*p);
         while (p != end && is_space(*p)) ++p;
         uint64_t number = 0;
@@ -152,13 +153,14 @@ class ObjReader {
         p = take_digits(p, end, number);
         plain &= p - first <= 19 && number > 0 && number <= vertices_.size();
         if (!plain) break;
-        corner = vertices_[number - 1];
+        numbers[i] = number - 1;
+        corners[i] = vertices_[number - 1];
         if (p != end && *p == '/')
           while (p != end && (is_digit(*p) || *p == '/' || *p == '-')) ++p;
       }
       while (p != end && is_space(*p)) ++p;
       if (!plain || p == end || *p != '\n') break;
-      if (wanted_) out_.add(corners[0], corners[1], corners[2]);
+      if (wanted_) out_.add(corners[0], corners[1], corners[2], numbers);
       line = p + 1;
     }
     input_.consume_lines(static_cast<size_t>(line - text.data()), lines);
@@ -167,32 +169,33 @@ class ObjReader {
   void read_face(std::string_view line) {
     Fan fan(out_, wanted_);
     for (;;) {
-      if (const Vec3* v = plain_vertex(line)) {
-        fan.add(*v);
+      if (const uint64_t number = plain_vertex(line); number != 0) {
+        fan.add(vertices_[number - 1], number - 1);
         continue;
       }
       const std::string_view word = next_word(line);
       if (word.empty() || word[0] == '#') break;
-      fan.add(vertex(word));
+      const uint64_t index = vertex(word);
+      fan.add(vertices_[index], index);
     }
     if (fan.vertices() < 3) throw InputError(fmt::format("{}: expected a face of 3 or more vertices, found {}", input_.at_line(), fan.vertices()));
   }
 
-  // The vertex whose number is the next word of `line`, if that word is a few digits. Otherwise null, and `line` is unchanged.
+  // The number of a vertex, from 1 on, that is the next word of `line`, if that word is a few digits. Otherwise 0, and `line` is unchanged.
   // Nearly all words are such numbers, and vertex() takes three times as long.
-  const Vec3* plain_vertex(std::string_view& line) {
+  uint64_t plain_vertex(std::string_view& line) {
     const char* p = line.data();
     const char* const end = p + line.size();
     while (p != end && is_blank(*p)) ++p;
     uint64_t number = 0;
     for (int digits = 0; p != end && *p >= '0' && *p <= '9' && digits < 10; ++p, ++digits) number = 10 * number + static_cast<uint64_t>(*p - '0');
-    if ((p != end && !is_blank(*p)) || number == 0 || number > vertices_.size()) return nullptr;
+    if ((p != end && !is_blank(*p)) || number == 0 || number > vertices_.size()) return 0;
     line = {p, static_cast<size_t>(end - p)};
-    return &vertices_[number - 1];
+    return number;
   }
 
-  // v, v/t, v//n or v/t/n. A negative number counts back from the vertex declared last.
-  const Vec3& vertex(std::string_view word) {
+  // v, v/t, v//n or v/t/n. A negative number counts back from the vertex declared last. Returns the number of the vertex from 0 on.
+  uint64_t vertex(std::string_view word) {
     const size_t slash = std::min(word.find('/'), word.size());
     if (slash == 0 || word.find_first_not_of("0123456789+-/", slash) != std::string_view::npos)
       refuse_number(word, "a vertex v, v/t, v//n or v/t/n", input_);
@@ -202,7 +205,7 @@ class ObjReader {
     if (index < 0 || index >= declared)
       throw InputError(fmt::format("{}: vertex {} of a face: expected one of the {} declared so far (1 is the first, -1 the last)", input_.at_line(),
                                    number, declared));
-    return vertices_[index];
+    return static_cast<uint64_t>(index);
   }
 
   // A line may name several groups; the facets that follow belong to each of them.

@@ -74,7 +74,7 @@ class OffReader {
       const int64_t number = text_integer(word, "the number of a vertex", input_);
       if (number < 0 || static_cast<uint64_t>(number) >= vertices_.size())
         refuse(fmt::format("expected the number of a vertex, 0 to {}", static_cast<int64_t>(vertices_.size()) - 1), word);
-      fan.add(vertices_[static_cast<uint64_t>(number)]);
+      fan.add(vertices_[static_cast<uint64_t>(number)], static_cast<uint64_t>(number));
     }
   }
 

@@ -324,7 +324,10 @@ void read_face(Values& values, const Lists& face, VertexTable& vertices, Fan fan
     }
     const uint64_t n = list_length(values, p);
     if (n < 3) throw InputError(fmt::format("{}: expected a face of 3 or more vertices, found {}", values.place(), n));
-    for (uint64_t i = 0; i < n; ++i) fan.add(vertex_at(values, values.integer(p.type), vertices));
+    for (uint64_t i = 0; i < n; ++i) {
+      const int64_t number = values.integer(p.type);
+      fan.add(vertex_at(values, number, vertices), static_cast<uint64_t>(number));
+    }
   }
 }
 
@@ -333,7 +336,7 @@ void read_face(Values& values, const Lists& face, VertexTable& vertices, Fan fan
 template <class Values>
 void read_strips(Values& values, const Lists& strips, VertexTable& vertices, FacetStream& out, bool wanted) {
   struct Corner {
-    int64_t number;
+    uint64_t number;
     Vec3 place;
   };
   for (const Property& p : strips.element->properties) {
@@ -349,9 +352,11 @@ void read_strips(Values& values, const Lists& strips, VertexTable& vertices, Fac
         length = 0;
         continue;
       }
-      const Corner c{number, vertex_at(values, number, vertices)};
-      if (length >= 2 && wanted && a.number != b.number && b.number != c.number && c.number != a.number)
-        length % 2 == 0 ? out.add(a.place, b.place, c.place) : out.add(b.place, a.place, c.place);
+      const Corner c{static_cast<uint64_t>(number), vertex_at(values, number, vertices)};
+      if (length >= 2 && wanted && a.number != b.number && b.number != c.number && c.number != a.number) {
+        const auto &[first, second] = length % 2 == 0 ? std::tie(a, b) : std::tie(b, a);
+        out.add(first.place, second.place, c.place, {first.number, second.number, c.number});
+      }
       a = b, b = c;
       ++length;
     }

@@ -82,7 +82,7 @@ void describe(const Input& input, const std::string& units, SurfaceFile& file) {
 SurfaceFile read_parts(KeptTree& kept, const std::string& part, const FacetSink& sink, const ReadOptions& options) {
   SurfaceFile file = kept.file;
   const PartGlob glob(part);
-  FacetStream out(glob, sink, options.enter_patch);
+  FacetStream out(glob, sink, options);
   out.add_parts(*kept.tree, file, options);
   out.finish(kept.tree->name(), file);
   return file;
@@ -135,7 +135,7 @@ SurfaceFile read_facets(Input& input, const std::string& part, const FacetSink& 
   }
   SurfaceFile file;
   const PartGlob glob(part);
-  FacetStream out(glob, sink, options.enter_patch);
+  FacetStream out(glob, sink, options);
   reader.read(input, out, file, options);
   out.finish(input.name(), file);
   describe(input, options.units, file);

@@ -1,12 +1,14 @@
 // What a reader of surface files is told besides the file and the part. A format that needs more, such as a tolerance, gets a
 // field here, with a default that suits the other formats.
 #pragma once
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "store/base/spill.hpp"
 
@@ -53,6 +55,9 @@ struct ReadOptions {
   std::function<void(uint64_t)> expect = [](uint64_t) {};
   // Called when the facets that follow belong to another patch, with its number in SurfaceFile::patches; before the first facet, too.
   std::function<void(uint32_t)> enter_patch = [](uint32_t) {};
+  // If not null, holds the numbers that the file gives to the vertices of the facets which the sink gets, from 0 on (~0: too large a one). Equal
+  // numbers are equal vertices. As many as there are facets; fewer where the format has none, as STL and formats with a tree.
+  std::vector<std::array<uint32_t, 3>>* numbers = nullptr;
   // Called for each part of a tree that is wanted, after enter_patch. Where it returns true the sink gets none of its facets: whoever asks
   // takes them from `kept` when they are needed.
   std::function<bool(const Part&)> take_part = nullptr;

@@ -26,8 +26,8 @@ std::string clean(std::string_view name) { return std::string(first_bytes(utf8_o
 
 }  // namespace
 
-FacetStream::FacetStream(const PartGlob& glob, const FacetSink& sink, const std::function<void(uint32_t)>& enter_patch)
-    : glob_(glob), sink_(sink), enter_patch_(enter_patch) {}
+FacetStream::FacetStream(const PartGlob& glob, const FacetSink& sink, const ReadOptions& options)
+    : glob_(glob), sink_(sink), enter_patch_(options.enter_patch), numbers_(options.numbers) {}
 
 void FacetStream::enter_patch(std::string_view name) {
   if (name == raw_patch_) return;
@@ -146,6 +146,7 @@ void FacetStream::note(const std::string& name) {
 void FacetStream::flush() {
   if (used_ == 0) return;
   sink_({batch_, used_});
+  if (numbers_) numbers_->clear();
   facets_ += used_;
   used_ = 0;
 }

@@ -25,7 +25,7 @@ inline constexpr size_t kLongestPartName = 256;  // bytes; names that are longer
 class FacetStream {
  public:
   // All must outlive it.
-  FacetStream(const PartGlob& glob, const FacetSink& sink, const std::function<void(uint32_t)>& enter_patch);
+  FacetStream(const PartGlob& glob, const FacetSink& sink, const ReadOptions& options);
   FacetStream(const FacetStream&) = delete;
 
   // Records that the file, which has no tree, has this part ("": the unnamed one). Returns whether its facets are wanted.
@@ -41,7 +41,11 @@ class FacetStream {
     if (used_ == limit_) make_room();
     return batch_[used_++];
   }
-  void add(const Vec3& a, const Vec3& b, const Vec3& c) { next().vertex = {a, b, c}; }
+  // One with vertices that the file names by number, from 0 on.
+  void add(const Vec3& a, const Vec3& b, const Vec3& c, const std::array<uint64_t, 3>& numbers) {
+    next().vertex = {a, b, c};
+    if (numbers_) numbers_->push_back({vertex_number(numbers[0]), vertex_number(numbers[1]), vertex_number(numbers[2])});
+  }
   // Adds to SurfaceFile::warnings; called once per kind of warning.
   void warn(std::string sentence) { warnings_.push_back(std::move(sentence)); }
   // Passes on the last facets and sets facets, parts and warnings of `file`. Throws InputError when there was no facet, or no
@@ -50,6 +54,7 @@ class FacetStream {
 
  private:
   static constexpr size_t kFew = 32, kMany = 4096;
+  static uint32_t vertex_number(uint64_t number) { return static_cast<uint32_t>(std::min<uint64_t>(number, ~uint32_t{0})); }
   void note(const std::string& name);
   void add_by_color(PartTree& tree, const Part& part);
   void flush();
@@ -60,6 +65,7 @@ class FacetStream {
   const PartGlob& glob_;
   const FacetSink& sink_;
   const std::function<void(uint32_t)>& enter_patch_;
+  std::vector<std::array<uint32_t, 3>>* const numbers_;  // null: they aren't wanted
   Facet few_[kFew];  // most files of an assembly are small
   std::unique_ptr<Facet[]> many_;
   Facet* batch_ = few_;
@@ -86,10 +92,11 @@ class FacetStream {
 class Fan {
  public:
   Fan(FacetStream& out, bool wanted) : out_(out), wanted_(wanted) {}
-  void add(const Vec3& v) {
-    if (vertices_ >= 2 && wanted_) out_.add(first_, last_, v);
-    if (vertices_++ == 0) first_ = v;
-    last_ = v;
+  // `number`: of the vertex in the file.
+  void add(const Vec3& v, uint64_t number) {
+    if (vertices_ >= 2 && wanted_) out_.add(first_, last_, v, {first_number_, last_number_, number});
+    if (vertices_++ == 0) first_ = v, first_number_ = number;
+    last_ = v, last_number_ = number;
   }
   uint64_t vertices() const { return vertices_; }
 
@@ -97,7 +104,7 @@ class Fan {
   FacetStream& out_;
   const bool wanted_;
   Vec3 first_{}, last_{};
-  uint64_t vertices_ = 0;
+  uint64_t first_number_ = 0, last_number_ = 0, vertices_ = 0;
 };
 
 // The text up to the end of its first line. (find_first_of() makes one call per character.)
