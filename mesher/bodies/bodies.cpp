@@ -219,7 +219,10 @@ class BodyReader {
       batch_.copies->insert(batch_.copies->end(), facets.begin(), facets.end());
     }
     const bool numbered = numbers_.size() == facets.size();
-    if (out_.in_memory && numbered) batch_.numbers.insert(batch_.numbers.end(), numbers_.begin(), numbers_.end());
+    if (out_.in_memory && numbered) {
+      if (batch_.numbers.empty()) batch_.numbers.swap(numbers_), numbers_.reserve(facets.size());
+      else batch_.numbers.insert(batch_.numbers.end(), numbers_.begin(), numbers_.end());
+    }
     while (out_.in_memory && !facets.empty()) {
       const std::span<const SceneFacet> stored = out_.facets->append(facets, layer, patch_);
       batch_.pieces.push_back({b, stored, 0, false, patch_, numbered});

@@ -7,7 +7,7 @@
 namespace teracell::mesher {
 namespace {
 
-constexpr size_t kFastGrowth = size_t{1} << 15;  // tables that are larger may leave the cache
+constexpr size_t kFastGrowth = size_t{1} << 16;  // tables that are larger may leave the cache
 
 }  // namespace
 
