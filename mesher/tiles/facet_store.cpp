@@ -1,18 +1,28 @@
 #include "mesher/tiles/facet_store.hpp"
 
-#include "store/base/populate.hpp"
+#include <type_traits>
 
 namespace teracell::mesher {
 
 void FacetStore::add_piece() {
-  pieces_.push_back(std::make_unique_for_overwrite<SceneFacet[]>(kPiece));
-  if (size_ != 0) system::populate(pieces_.back().get(), kPiece * sizeof(SceneFacet));  // not the first one, which small scenes don't fill
+  static_assert(std::is_trivially_copyable_v<SceneFacet>);
+  const uint64_t number = pieces_.size();
+  if (number < kSmall) {
+    small_.push_back(std::make_unique_for_overwrite<SceneFacet[]>(kPiece));
+    pieces_.push_back(small_.back().get());
+  } else if (const uint64_t of_region = (number - kSmall) % kPiecesOfRegion; of_region == 0) {
+    regions_.emplace_back(HugeMemory::allocate(kPiecesOfRegion * kPiece * sizeof(SceneFacet)));
+    pieces_.push_back(static_cast<SceneFacet*>(regions_.back().get()));
+  } else {
+    pieces_.push_back(pieces_.back() + kPiece);
+  }
+  if (number > 0) system::populate(pieces_.back(), kPiece * sizeof(SceneFacet));  // not the first one, which small scenes don't fill
 }
 
 std::span<SceneFacet> FacetStore::append(std::span<const Facet> facets, uint32_t layer, uint32_t patch) {
   const uint64_t used = size_ % kPiece;
   if (used == 0) add_piece();
-  SceneFacet* const first = pieces_.back().get() + used;
+  SceneFacet* const first = pieces_.back() + used;
   const size_t count = std::min<size_t>(facets.size(), kPiece - used);
   for (size_t i = 0; i < count; ++i) first[i] = {facets[i], layer, patch};
   size_ += count;

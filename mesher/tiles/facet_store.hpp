@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "mesher/engines/engine.hpp"
+#include "store/base/populate.hpp"
 
 namespace teracell::mesher {
 
@@ -23,7 +24,7 @@ class FacetStore {
   // The number of a facet of the store. Takes time: it looks through the pieces.
   uint64_t number_of(const SceneFacet& facet) const {
     for (uint64_t piece = 0;; ++piece)
-      if (const SceneFacet* first = pieces_[piece].get(); !std::less<>()(&facet, first) && std::less<>()(&facet, first + kPiece))
+      if (const SceneFacet* first = pieces_[piece]; !std::less<>()(&facet, first) && std::less<>()(&facet, first + kPiece))
         return piece * kPiece + static_cast<uint64_t>(&facet - first);
   }
   // Appends as many of `facets` as fit into the last piece, at least one, and returns their place. They stay there as long as
@@ -51,11 +52,13 @@ class FacetStore {
   }
 
  private:
-  // Small, so that small scenes waste little memory. (Huge pages would save the page faults, a tenth of the time of reading. But
-  // where the system must first make such a page, that costs several times as much.)
-  static constexpr uint64_t kPiece = 4096;
+  // The first pieces are small, so that small scenes waste little memory. More come from regions of whole huge pages.
+  static constexpr uint64_t kPiece = 4096, kSmall = 4, kPiecesOfRegion = 32;
+  static_assert(kPiecesOfRegion * kPiece * sizeof(SceneFacet) % system::kHugePage == 0);
   void add_piece();
-  std::vector<std::unique_ptr<SceneFacet[]>> pieces_;
+  std::vector<SceneFacet*> pieces_;
+  std::vector<std::unique_ptr<SceneFacet[]>> small_;
+  std::vector<std::unique_ptr<void, HugeMemory>> regions_;
   uint64_t size_ = 0;
 };
 

@@ -1,12 +1,24 @@
 // Memory for large tables that are about to be filled. Asking the kernel for all pages at once takes two thirds of the time of
-// faulting them in one by one, and page faults are a tenth of the time of meshing a small grid.
+// faulting them in one by one, and huge pages take half of that. Page faults were a tenth of the time of meshing a small grid.
 #pragma once
 #include <cstddef>
 #include <memory>
+#include <new>
 
 #include "store/base/system/system.hpp"
 
 namespace teracell::inline store {
+
+// Memory from a multiple of a huge page on, rounded up to whole ones. Only what is touched is taken from the system.
+struct HugeMemory {
+  static void* allocate(size_t bytes) {
+    bytes = (bytes + system::kHugePage - 1) / system::kHugePage * system::kHugePage;
+    void* const memory = ::operator new(bytes, std::align_val_t(system::kHugePage));
+    system::prefer_huge_pages(memory, bytes);
+    return memory;
+  }
+  void operator()(void* memory) const { ::operator delete(memory, std::align_val_t(system::kHugePage)); }  // frees it
+};
 
 // An allocator for a std::vector that fills all the memory it asks for.
 template <class T>
@@ -16,10 +28,15 @@ struct Populated : std::allocator<T> {
     using other = Populated<U>;
   };
   T* allocate(size_t n) {
-    T* const memory = std::allocator<T>::allocate(n);
-    if (n * sizeof(T) >= (size_t{1} << 17)) system::populate(memory, n * sizeof(T));
+    T* const memory = is_huge(n) ? static_cast<T*>(HugeMemory::allocate(n * sizeof(T))) : std::allocator<T>::allocate(n);
+    if (n * sizeof(T) >= kWorthAsking) system::populate(memory, n * sizeof(T));
     return memory;
   }
+  void deallocate(T* memory, size_t n) { is_huge(n) ? HugeMemory()(memory) : std::allocator<T>::deallocate(memory, n); }
+
+ private:
+  static constexpr size_t kWorthAsking = size_t{1} << 17;
+  static bool is_huge(size_t n) { return n * sizeof(T) >= system::kHugePage / 4 * 3; }
 };
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstdio>
+#include <cstdlib>
+#include <cstring>
 #include <fstream>
 #include <iterator>
 #include <string>
@@ -90,6 +92,42 @@ void populate([[maybe_unused]] void* memory, [[maybe_unused]] size_t bytes) {
   const uintptr_t first = (reinterpret_cast<uintptr_t>(memory) + page - 1) / page * page,
                   last = (reinterpret_cast<uintptr_t>(memory) + bytes) / page * page;
   if (last > first) ::madvise(reinterpret_cast<void*>(first), last - first, MADV_POPULATE_WRITE);  // NOLINT(performance-no-int-to-ptr)
+#endif
+}
+
+namespace {
+
+// Bytes of free memory in pieces of a huge page or more. 0: not known.
+uint64_t free_huge_pages() {
+  constexpr uint64_t kPage = 4096;  // other machines have huge pages of other sizes
+  if (::sysconf(_SC_PAGESIZE) != kPage) return 0;
+  const int file = ::open("/proc/buddyinfo", O_RDONLY | O_CLOEXEC);  // "Node 0, zone   Normal    6008  53011 ..."
+  if (file < 0) return 0;
+  char text[4096];
+  const ssize_t length = ::read(file, text, sizeof text - 1);
+  ::close(file);
+  text[std::max<ssize_t>(length, 0)] = 0;
+  uint64_t bytes = 0;
+  for (const char* line = std::strstr(text, "zone"); line != nullptr; line = std::strstr(line, "zone")) {
+    line += std::strcspn(line, " ");
+    line += std::strspn(line, " ");
+    line += std::strcspn(line, " \n");  // behind the zone's name: how many pieces of one page are free, of two pages, of four
+    char* rest = nullptr;
+    for (uint64_t size = kPage; *line == ' ' && size <= kPage << 20; size *= 2, line = rest) {
+      const unsigned long long pieces = std::strtoull(line, &rest, 10);
+      if (rest == line) break;
+      if (size >= kHugePage) bytes += pieces * size;
+    }
+  }
+  return bytes;
+}
+
+}  // namespace
+
+void prefer_huge_pages([[maybe_unused]] void* memory, [[maybe_unused]] size_t bytes) {
+#ifdef MADV_HUGEPAGE
+  constexpr uint64_t kOthers = uint64_t{1} << 27;  // for whoever else asks at the same time
+  if (free_huge_pages() >= bytes + kOthers) ::madvise(memory, bytes, MADV_HUGEPAGE);
 #endif
 }
 

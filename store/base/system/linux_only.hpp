@@ -15,6 +15,8 @@ void limit_heaps(int heaps);
 void give_back_memory();
 void begin_write_back(int file, uint64_t offset, uint64_t bytes);
 void populate(void* memory, size_t bytes);
+using portable::kHugePage;
+void prefer_huge_pages(void* memory, size_t bytes);
 int file_without_name(const std::filesystem::path& folder);
 int file_in_memory();
 int rename_folder(const std::filesystem::path& from, const std::filesystem::path& to, bool exchange);

@@ -46,6 +46,8 @@ void give_back_memory() {}
 void begin_write_back(int, uint64_t, uint64_t) {}
 void populate(void*, size_t) {}
 
+void prefer_huge_pages(void*, size_t) {}
+
 int file_without_name(const std::filesystem::path& folder) {
   std::string name = (folder / "teracell-XXXXXX").string();
   const int file = ::mkstemp(name.data());

@@ -23,6 +23,10 @@ void give_back_memory();
 void begin_write_back(int file, uint64_t offset, uint64_t bytes);
 // A hint: these pages are about to be filled.
 void populate(void* memory, size_t bytes);
+// A hint: memory from a multiple of kHugePage on, of a multiple of its size, may be made of huge pages, as far as the system has them at hand.
+// (Such memory is filled in half of the time. Where the system must first make a huge page of small ones, that costs several times as much.)
+inline constexpr size_t kHugePage = size_t{1} << 21;
+void prefer_huge_pages(void* memory, size_t bytes);
 
 // The descriptor of a file for reading and writing that has no name; -1, with errno, if there can be none in the folder.
 int file_without_name(const std::filesystem::path& folder);
