@@ -26,9 +26,8 @@ size_t plain_vertices(std::string_view text, std::vector<Vec3>& out) {
   for (;;) {
     const char* p = line;
     if (end - p < 2 || *p++ != 'v') break;
-    Vec3 v;
     bool plain = true;
-    for (double& x : v) {
+    for (double& x : out.emplace_back()) {  // in its place: a copy would wait for three stores
       const char* const blank = p;
       while (p != end && is_space(*p)) ++p;
       const char* stop = plain_number(p, end, x);
@@ -40,8 +39,10 @@ size_t plain_vertices(std::string_view text, std::vector<Vec3>& out) {
       p = stop;
     }
     while (p != end && is_space(*p)) ++p;
-    if (!plain || p == end || *p != '\n') break;
-    out.push_back(v);
+    if (!plain || p == end || *p != '\n') {
+      out.pop_back();
+      break;
+    }
     line = p + 1;
   }
   return static_cast<size_t>(line - text.data());
