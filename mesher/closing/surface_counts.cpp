@@ -7,9 +7,7 @@
 
 namespace teracell::mesher {
 
-uint32_t VertexNumbers::operator()(const VertexHash& hash) {
-  const Recent& recent = recent_[hash.low >> recent_shift_];
-  if (recent.hash == hash && recent.number != kNone) return recent.number;
+uint32_t VertexNumbers::look_up(const VertexHash& hash) {
   const uint32_t number = find_or_add(hash);  // may resize recent_
   recent_[hash.low >> recent_shift_] = {hash, number};
   return number;
@@ -33,7 +31,7 @@ uint32_t VertexNumbers::find_or_add(const VertexHash& hash) {
   return count() - 1;
 }
 
-void VertexNumbers::grow() { rehash(std::max<size_t>(kSmallTable, 4 * table_.size())); }
+void VertexNumbers::grow() { rehash(std::max<size_t>(kSmallTable, (table_.size() < kFastGrowth ? 4 : 2) * table_.size())); }
 
 void VertexNumbers::rehash(size_t size) {
   if (size >= kLargeTable && recent_.size() < 512) {
@@ -68,12 +66,6 @@ void ShellCounter::add(const Facet& facet, const std::array<uint32_t, 3>& number
     v[i] = known - 1;
   }
   vertices_.join(v[1], v[0], v[2]);
-}
-
-uint32_t ShellCounter::number_of(const VertexHash& vertex) {
-  const uint32_t number = numbers_(vertex);
-  if (number == vertices_.size()) vertices_.add();
-  return number;
 }
 
 void ShellCounter::take(const std::array<VertexHash, 3>& facet) {

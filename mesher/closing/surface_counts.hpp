@@ -20,7 +20,10 @@ namespace teracell::mesher {
 class VertexNumbers {
  public:
   uint32_t operator()(const Vec3& vertex) { return (*this)(vertex_hash(vertex)); }
-  uint32_t operator()(const VertexHash& hash);
+  uint32_t operator()(const VertexHash& hash) {
+    Recent& recent = recent_[hash.low >> recent_shift_];
+    return recent.hash == hash && recent.number != kNone ? recent.number : look_up(hash);
+  }
   // A call for that hash comes soon: its place in the table is asked for, and some time later what the place leads to.
   void prefetch(const VertexHash& hash) const {
     if (!table_.empty()) __builtin_prefetch(&table_[hash.low & (table_.size() - 1)]);
@@ -41,12 +44,13 @@ class VertexNumbers {
  private:
   // Successive facets often share vertices, so a small cache avoids two of three look-ups. It has its full size only after some
   // hundred vertices, because scenes of 100,000 bodies mostly have bodies with few.
-  static constexpr size_t kSmallTable = 64, kLargeTable = 1024;
+  static constexpr size_t kSmallTable = 64, kLargeTable = 1024, kFastGrowth = size_t{1} << 16;
   static constexpr uint32_t kNone = ~uint32_t{0};
   struct Recent {
     VertexHash hash;
     uint32_t number = kNone;
   };
+  uint32_t look_up(const VertexHash& hash);
   uint32_t find_or_add(const VertexHash& hash);
   void grow();
   void rehash(size_t size);
@@ -73,7 +77,11 @@ class ShellCounter {
   static constexpr size_t kWaiting = 8;
   void take(const std::array<VertexHash, 3>& facet);
   void take_waiting();
-  uint32_t number_of(const VertexHash& vertex);
+  uint32_t number_of(const VertexHash& vertex) {
+    const uint32_t number = numbers_(vertex);
+    if (number == vertices_.size()) vertices_.add();
+    return number;
+  }
 
   VertexNumbers numbers_;
   Groups vertices_;              // those of one shell
