@@ -1,17 +1,8 @@
 #include "mesher/closing/surface_counts.hpp"
 
 #include <algorithm>
-#include <utility>
-
-#include "mesher/engines/predicates.hpp"
 
 namespace teracell::mesher {
-
-uint32_t VertexNumbers::look_up(const VertexHash& hash) {
-  const uint32_t number = find_or_add(hash);  // may resize recent_
-  recent_[hash.low >> recent_shift_] = {hash, number};
-  return number;
-}
 
 uint32_t VertexNumbers::find(const VertexHash& hash) const {
   const size_t mask = table_.size() - 1;
@@ -34,10 +25,6 @@ uint32_t VertexNumbers::find_or_add(const VertexHash& hash) {
 void VertexNumbers::grow() { rehash(std::max<size_t>(kSmallTable, (table_.size() < kFastGrowth ? 4 : 2) * table_.size())); }
 
 void VertexNumbers::rehash(size_t size) {
-  if (size >= kLargeTable && recent_.size() < 512) {
-    recent_.assign(512, {});
-    recent_shift_ = 55;
-  }
   table_.assign(size, 0);
   const size_t mask = table_.size() - 1;
   for (uint32_t number = 0; number < count(); ++number) {
@@ -45,13 +32,6 @@ void VertexNumbers::rehash(size_t size) {
     while (table_[i] != 0) i = (i + 1) & mask;
     table_[i] = number + 1;
   }
-}
-
-void ShellCounter::add(const std::array<VertexHash, 3>& facet) {
-  if (added_ - taken_ == kWaiting) take(waiting_[taken_++ % kWaiting]);
-  waiting_[added_++ % kWaiting] = facet;
-  for (const VertexHash& hash : facet) numbers_.prefetch(hash);
-  for (const VertexHash& hash : waiting_[(added_ + kWaiting / 2) % kWaiting]) numbers_.prefetch_known(hash);
 }
 
 void ShellCounter::add(const Facet& facet, const std::array<uint32_t, 3>& numbers) {
@@ -62,32 +42,40 @@ void ShellCounter::add(const Facet& facet, const std::array<uint32_t, 3>& number
   for (int i = 0; i < 3; ++i) {
     if (numbers[i] >= known_.size()) known_.resize(std::max<size_t>(numbers[i] + size_t{1}, 2 * known_.size()));
     uint32_t& known = known_[numbers[i]];
-    if (known == 0) known = number_of(vertex_hash(facet.vertex[i])) + 1;
+    if (known == 0) known = first_seen(vertex_hash(facet.vertex[i])) + 1;
     v[i] = known - 1;
   }
-  vertices_.join(v[1], v[0], v[2]);
+  nodes_.join(v[1], v[0], v[2]);
 }
 
-void ShellCounter::take(const std::array<VertexHash, 3>& facet) {
-  std::array<uint32_t, 3> v;
-  for (int i = 0; i < 3; ++i) v[i] = number_of(facet[i]);
-  vertices_.join(v[1], v[0], v[2]);
+uint32_t ShellCounter::first_seen(const VertexHash& vertex) {
+  if (waited_ - settled_ == kWaiting) settle(waiting_[settled_++ % kWaiting]);
+  waiting_[waited_++ % kWaiting] = {vertex, nodes_.add()};
+  numbers_.prefetch(vertex);
+  numbers_.prefetch_known(waiting_[(waited_ + kWaiting / 2) % kWaiting].vertex);
+  return nodes_.size() - 1;
 }
 
-void ShellCounter::take_waiting() {
-  while (taken_ < added_) take(waiting_[taken_++ % kWaiting]);
+void ShellCounter::settle(const Waiting& waiting) {
+  const uint32_t number = numbers_.find_or_add(waiting.vertex);
+  if (number == first_node_.size()) first_node_.push_back(waiting.node);
+  else nodes_.join(first_node_[number], waiting.node);
+}
+
+void ShellCounter::settle_all() {
+  while (settled_ < waited_) settle(waiting_[settled_++ % kWaiting]);
 }
 
 uint64_t ShellCounter::shells() {
-  take_waiting();
-  return vertices_.count();
+  settle_all();
+  return nodes_.count();
 }
 
 uint32_t ShellCounter::shell_of(const VertexHash& vertex) {
-  take_waiting();
-  return vertices_.of(numbers_(vertex));
+  settle_all();
+  return nodes_.of(first_node_[numbers_.find(vertex)]);
 }
 
-bool has_no_area(const Facet& f) { return normal_sign(f, 2) == 0 && normal_sign(f, 1) == 0 && normal_sign(f, 0) == 0; }
+bool has_no_area_exactly(const Facet& f) { return normal_sign(f, 2) == 0 && normal_sign(f, 1) == 0 && normal_sign(f, 0) == 0; }
 
 }  // namespace teracell::mesher

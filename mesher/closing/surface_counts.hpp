@@ -2,17 +2,46 @@
 #pragma once
 #include <array>
 #include <bit>
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
 #include "mesher/closing/facet_set.hpp"
 #include "mesher/closing/vertex_hash.hpp"
+#include "mesher/engines/predicates.hpp"
 #include "mesher/surface/facet.hpp"
 #include "store/base/groups.hpp"
 #include "store/base/populate.hpp"
 #include "store/grid/report.hpp"
 
 namespace teracell::mesher {
+
+// The numbers of vertices that came lately. Successive facets often share vertices, so this small cache avoids two of three look-ups. It has its full
+// size only after some hundred vertices, because scenes of 100,000 bodies mostly have bodies with few.
+class RecentVertices {
+ public:
+  // Null: it is not among them.
+  const uint32_t* find(const VertexHash& hash) const {
+    const Recent& recent = recent_[hash.low >> shift_];
+    return recent.hash == hash && recent.number != kNone ? &recent.number : nullptr;
+  }
+  void put(const VertexHash& hash, uint32_t number) {
+    if (number >= kFew && recent_.size() < 512) {
+      recent_.assign(512, {});
+      shift_ = 55;
+    }
+    recent_[hash.low >> shift_] = {hash, number};
+  }
+
+ private:
+  static constexpr uint32_t kNone = ~uint32_t{0}, kFew = 256;
+  struct Recent {
+    VertexHash hash;
+    uint32_t number = kNone;
+  };
+  std::vector<Recent> recent_ = std::vector<Recent>(8);
+  int shift_ = 61;  // recent_ has 2^(64 - shift) entries
+};
 
 // Numbers vertices in the order of first appearance. Vertices are equal when their coordinates are, which a 128-bit hash
 // decides. A hash table with open addressing and without erasure. It grows as it fills: a table for the worst case would be
@@ -21,9 +50,13 @@ class VertexNumbers {
  public:
   uint32_t operator()(const Vec3& vertex) { return (*this)(vertex_hash(vertex)); }
   uint32_t operator()(const VertexHash& hash) {
-    Recent& recent = recent_[hash.low >> recent_shift_];
-    return recent.hash == hash && recent.number != kNone ? recent.number : look_up(hash);
+    if (const uint32_t* known = recent_.find(hash)) return *known;
+    const uint32_t number = find_or_add(hash);
+    recent_.put(hash, number);
+    return number;
   }
+  // The same for a vertex that did not come lately.
+  uint32_t find_or_add(const VertexHash& hash);
   // A call for that hash comes soon: its place in the table is asked for, and some time later what the place leads to.
   void prefetch(const VertexHash& hash) const {
     if (!table_.empty()) __builtin_prefetch(&table_[hash.low & (table_.size() - 1)]);
@@ -42,31 +75,29 @@ class VertexNumbers {
   uint32_t count() const { return static_cast<uint32_t>(hashes_.size()); }
 
  private:
-  // Successive facets often share vertices, so a small cache avoids two of three look-ups. It has its full size only after some
-  // hundred vertices, because scenes of 100,000 bodies mostly have bodies with few.
-  static constexpr size_t kSmallTable = 64, kLargeTable = 1024, kFastGrowth = size_t{1} << 16;
-  static constexpr uint32_t kNone = ~uint32_t{0};
-  struct Recent {
-    VertexHash hash;
-    uint32_t number = kNone;
-  };
-  uint32_t look_up(const VertexHash& hash);
-  uint32_t find_or_add(const VertexHash& hash);
+  static constexpr size_t kSmallTable = 64, kFastGrowth = size_t{1} << 16;
   void grow();
   void rehash(size_t size);
-  std::vector<Recent> recent_ = std::vector<Recent>(8);
-  int recent_shift_ = 61;  // recent_ has 2^(64 - shift) entries
+  RecentVertices recent_;
   std::vector<VertexHash> hashes_;     // by number
   std::vector<uint32_t, Populated<uint32_t>> table_;  // number + 1; 0 is free
 };
 
-// Counts the shells of a surface: groups of facets connected by equal vertices. Facets come in any order. Memory: some 15 bytes per facet. Not
+// Counts the shells of a surface: groups of facets connected by equal vertices. Facets come in any order. Memory: some 20 bytes per facet. Not
 // thread-safe.
 class ShellCounter {
  public:
   // Reserves memory, so that the tables need not grow. A closed surface has about half as many vertices as facets.
   void expect(uint64_t facets) { numbers_.expect(facets / 2); }
-  void add(const std::array<VertexHash, 3>& facet);
+  void add(const std::array<VertexHash, 3>& facet) {
+    std::array<uint32_t, 3> v;
+    for (int i = 0; i < 3; ++i) {
+      const uint32_t* known = recent_.find(facet[i]);
+      v[i] = known ? *known : first_seen(facet[i]);
+      if (!known) recent_.put(facet[i], v[i]);
+    }
+    nodes_.join(v[1], v[0], v[2]);
+  }
   // A facet of a file that names vertices by number: a vertex is hashed once only.
   void add(const Facet& facet, const std::array<uint32_t, 3>& numbers);
   uint64_t shells();
@@ -74,25 +105,38 @@ class ShellCounter {
   uint32_t shell_of(const VertexHash& vertex);
 
  private:
-  static constexpr size_t kWaiting = 8;
-  void take(const std::array<VertexHash, 3>& facet);
-  void take_waiting();
-  uint32_t number_of(const VertexHash& vertex) {
-    const uint32_t number = numbers_(vertex);
-    if (number == vertices_.size()) vertices_.add();
-    return number;
-  }
+  static constexpr size_t kWaiting = 16;
+  struct Waiting {
+    VertexHash vertex;
+    uint32_t node;
+  };
+  uint32_t first_seen(const VertexHash& vertex);
+  void settle(const Waiting& waiting);
+  void settle_all();
 
+  Groups nodes_;  // those of one shell. A vertex has one or more
+  RecentVertices recent_;        // the nodes of vertices
+  std::vector<uint32_t> known_;  // node + 1 of the vertices by their numbers in the file; 0: it has not come yet
+  // A vertex that was not seen lately has a new node at once. Some time later, when its place in the table has reached the cache, it is looked up
+  // there, and joined to the node that it had before.
+  std::array<Waiting, kWaiting> waiting_{};
+  uint64_t waited_ = 0, settled_ = 0;
   VertexNumbers numbers_;
-  Groups vertices_;              // those of one shell
-  std::vector<uint32_t> known_;  // number + 1 of the vertices by their numbers in the file; 0: it has not come yet
-  // Facets that were added are taken some calls later, when their places in the tables have reached the cache.
-  std::array<std::array<VertexHash, 3>, kWaiting> waiting_{};
-  uint64_t added_ = 0, taken_ = 0;
-  uint64_t numbered_ = 0;  // facets that came with numbers
+  std::vector<uint32_t> first_node_;  // of a vertex, by its number
+  uint64_t numbered_ = 0;             // facets that came with numbers
 };
 
-bool has_no_area(const Facet& facet);  // decided exactly
+// Decided exactly.
+bool has_no_area_exactly(const Facet& facet);
+inline bool has_no_area(const Facet& facet) {
+  const auto& [a, b, c] = facet.vertex;
+  for (int s = 0; s < 3; ++s) {  // where doubles tell that a projection has an area, that is all
+    const int t = (s + 1) % 3;
+    const double left = (b[s] - a[s]) * (c[t] - a[t]), right = (b[t] - a[t]) * (c[s] - a[s]);
+    if (std::abs(left - right) > kOrient2dBound * (std::abs(left) + std::abs(right))) return false;
+  }
+  return has_no_area_exactly(facet);
+}
 
 // Counts the shells of a surface and its degenerate and duplicate facets. Facets come in any order. Not thread-safe.
 class SurfaceCounter {

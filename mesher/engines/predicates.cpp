@@ -7,8 +7,7 @@
 namespace teracell::mesher {
 namespace {
 
-// Shewchuk's bounds for the first stage of orient2d and orient3d.
-constexpr double kOrient2dBound = (3 + 16 * kRoundoff) * kRoundoff;
+// Shewchuk's bound for the first stage of orient3d.
 constexpr double kOrient3dBound = (7 + 56 * kRoundoff) * kRoundoff;
 
 // Arithmetic that detects rounding: while `error` is 0, every result so far is exact. On a lattice it stays 0.
