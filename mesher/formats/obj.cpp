@@ -97,41 +97,73 @@ class ObjReader {
   }
 
   // Most files begin with all their vertices. Until facets come, the helper has nothing else to do, so both threads take blocks of a window
-  // of plain vertices. (When each took one half, both waited for a fifth of this time, because a thread takes a while to begin.)
+  // of plain vertices. (When each took one half, both waited for a fifth of this time, because a thread takes a while to begin.) What was parsed is
+  // put into the table while the helper parses the next window.
   void read_plain_vertices() {
-    constexpr size_t kWorthSharing = Input::kWindow / 2, kLine = 8;  // the shortest line: "v 0 0 0\n"
-    while (helper_ && input_.offset() >= next_plain_) {
+    const PlainBlocks* parsed = nullptr;
+    for (size_t turn = 0; helper_ && input_.offset() >= next_plain_; ++turn) {
+      PlainBlocks& blocks = plain_[turn % 2];
       const std::string_view text = input_.window(kWorthSharing).substr(0, Input::kWindow);
-      if (text.size() < kWorthSharing) helper_ = nullptr;  // too little is left to share
-      size_t cut = 0;
-      for (size_t b = 0; helper_ && b < kBlocks; ++b) {
-        const size_t end = text.rfind('\n', text.size() * (b + 1) / kBlocks - 1) + 1;  // 0: there is none
-        if (end <= cut) helper_ = nullptr;
-        else plain_[b].text = text.substr(cut, end - cut);
-        plain_[b].vertices.reserve(plain_[b].text.size() / kLine);  // now, so that nothing throws while the helper works
-        cut = end;
+      if (!cut(text, blocks)) {
+        helper_ = nullptr;
+        break;
       }
-      if (!helper_) return;
       std::atomic<size_t> next = 0;
       const auto parse = [&] {
-        for (size_t b; (b = next++) < kBlocks;) {
-          plain_[b].vertices.clear();
-          plain_[b].taken = plain_vertices(plain_[b].text, plain_[b].vertices);
-        }
+        for (size_t b; (b = next++) < kBlocks;) blocks[b].taken = plain_vertices(blocks[b].text, blocks[b].vertices);
       };
       helper_->run(parse);
+      try {
+        take(parsed);
+      } catch (...) {
+        helper_->finish();
+        throw;
+      }
       parse();
       helper_->finish();
       size_t taken = 0;
       uint64_t lines = 0;
-      for (const PlainBlock& block : plain_) {
-        for (const Vec3& v : block.vertices) vertices_.push_back(v);
-        taken += block.taken, lines += block.vertices.size();
-        if (block.taken < block.text.size()) break;
+      bool all = true;
+      for (PlainBlock& block : blocks) {
+        if (!all) block.vertices.clear();
+        taken += all ? block.taken : 0, lines += block.vertices.size();
+        all &= block.taken == block.text.size();
       }
+      parsed = &blocks;
       input_.consume_lines(taken, lines);
       if (taken < text.size() / 4 * 3) next_plain_ = input_.offset() + kWorthSharing;  // other lines come first
     }
+    take(parsed);
+  }
+
+  // Lines of a window, and the vertices that its leading lines are.
+  struct PlainBlock {
+    std::string_view text;
+    std::vector<Vec3> vertices;
+    size_t taken = 0;  // bytes of these lines
+  };
+  static constexpr size_t kBlocks = 16, kWorthSharing = Input::kWindow / 2;
+  using PlainBlocks = std::array<PlainBlock, kBlocks>;
+
+  // False if it is too little to be shared, or has no line ends.
+  static bool cut(std::string_view text, PlainBlocks& blocks) {
+    constexpr size_t kShortest = 8;  // line: "v 0 0 0\n"
+    if (text.size() < kWorthSharing) return false;
+    size_t first = 0;
+    for (size_t b = 0; b < kBlocks; ++b) {
+      const size_t end = text.rfind('\n', text.size() * (b + 1) / kBlocks - 1) + 1;  // 0: there is none
+      if (end <= first) return false;
+      blocks[b].text = text.substr(first, end - first);
+      blocks[b].vertices.clear();
+      blocks[b].vertices.reserve(blocks[b].text.size() / kShortest + 1);  // now, so that nothing throws while the helper works
+      first = end;
+    }
+    return true;
+  }
+  void take(const PlainBlocks* blocks) {
+    if (blocks == nullptr) return;
+    for (const PlainBlock& block : *blocks)
+      for (const Vec3& v : block.vertices) vertices_.push_back(v);
   }
 
   // Takes the next lines as long as they lie in the window and are exactly "f a b c" with the numbers of vertices, which textures and normals
@@ -260,14 +292,7 @@ class ObjReader {
   FacetStream& out_;
   Background* helper_;  // null: there is none, or the rest is not worth sharing
   VertexTable vertices_;
-  // Lines of a window, and the vertices that its leading lines are.
-  struct PlainBlock {
-    std::string_view text;
-    std::vector<Vec3> vertices;
-    size_t taken = 0;  // bytes of these lines
-  };
-  static constexpr size_t kBlocks = 16;
-  std::array<PlainBlock, kBlocks> plain_;
+  std::array<PlainBlocks, 2> plain_;  // two windows, by turns
   uint64_t next_plain_ = 0;                 // the offset from which to look for plain vertices again
   std::string joined_, group_, object_;
   bool grouped_ = false, group_wanted_ = false, in_object_ = false, object_wanted_ = false;
