@@ -165,31 +165,5 @@ TEST_CASE("Less memory takes more passes over the facets and finds the same edge
   REQUIRE_THROWS_AS(edges_of(facets, 1000), InputError);
 }
 
-bool finds_opposites(const Facets& facets) {
-  OppositeSample sample;
-  for (const Facet& f : facets) sample.add(vertex_hashes(f));
-  return sample.take_answer();
-}
-
-TEST_CASE("Opposite facets are two with the same three different vertices that run different ways round") {
-  const Vec3 a{0, 0, 0}, b{1, 0, 0}, c{0, 1, 0}, d{0, 0, 1};
-  REQUIRE_FALSE(finds_opposites({}));
-  REQUIRE(finds_opposites({{{a, b, c}}, {{b, a, c}}}));
-  REQUIRE(finds_opposites({{{a, b, c}}, {{a, b, d}}, {{c, b, a}}}));
-  REQUIRE(finds_opposites({{{a, b, c}}, {{b, c, a}}, {{a, c, b}}}));  // one of three
-  REQUIRE_FALSE(finds_opposites({{{a, b, c}}, {{b, c, a}}, {{c, a, b}}}));
-  REQUIRE_FALSE(finds_opposites({{{a, b, c}}, {{b, a, d}}}));
-  REQUIRE_FALSE(finds_opposites({{{a, a, b}}, {{a, b, a}}, {{b, a, a}}, {{b, b, a}}}));  // without area: no way round
-}
-
-TEST_CASE("A sample that has answered is empty") {
-  const Vec3 a{0, 0, 0}, b{1, 0, 0}, c{0, 1, 0};
-  OppositeSample sample;
-  sample.add(vertex_hashes({{a, b, c}}));
-  REQUIRE_FALSE(sample.take_answer());
-  sample.add(vertex_hashes({{b, a, c}}));
-  REQUIRE_FALSE(sample.take_answer());
-}
-
 }  // namespace
 }  // namespace teracell::mesher

@@ -122,22 +122,5 @@ TEST_CASE("A closed surface that is given twice with opposite facets has the cel
   }
 }
 
-TEST_CASE("A sample of the facets tells whether opposite ones are among them, in any order") {
-  std::mt19937_64 random(4);
-  const Facets sphere = shapes::sphere({0, 0, 0}, 4, 7);  // 131,072: more than the sample holds
-  for (const bool doubled : {false, true}) {
-    Facets facets = sphere;
-    if (doubled) facets.insert(facets.end(), sphere.begin(), sphere.begin() + 2000);
-    if (doubled)
-      for (size_t i = sphere.size(); i < facets.size(); ++i) facets[i] = shapes::flip({facets[i]})[0];
-    for (int order = 0; order < 2; ++order) {
-      OppositeSample sample;
-      for (const Facet& f : facets) sample.add(vertex_hashes(f));
-      CHECK(sample.take_answer() == doubled);
-      std::ranges::shuffle(facets, random);
-    }
-  }
-}
-
 }  // namespace
 }  // namespace teracell::mesher

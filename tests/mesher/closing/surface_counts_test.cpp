@@ -99,6 +99,31 @@ TEST_CASE("Counts may be asked for between facets") {
   }
 }
 
+TEST_CASE("Shells are the same when the file numbers the vertices, whatever numbers it gives them") {
+  std::mt19937_64 random(5);
+  for (const int size : {3, 30, 100})
+    for (const size_t count : {size_t{3}, rounds(3000)}) {
+      const Facets facets = tangle(random, count, size);
+      const uint64_t expected = counted(facets).shells;
+      for (const uint32_t first : {0u, 60'000u, 4'000'000'000u}) {  // large numbers are not worth a table
+        // Some vertices have two numbers, and some facets have none.
+        std::map<std::pair<Vec3, bool>, uint32_t> numbers;
+        ShellCounter counter;
+        for (const Facet& f : facets) {
+          std::array<uint32_t, 3> of_facet;
+          for (int i = 0; i < 3; ++i)
+            of_facet[i] = numbers.try_emplace({f.vertex[i], random_int(random, 0, 4) == 0}, first + static_cast<uint32_t>(numbers.size())).first->second;
+          if (random_int(random, 0, 5) == 0) counter.add(vertex_hashes(f));
+          else counter.add(f, of_facet);
+        }
+        CAPTURE(size, count, first);
+        REQUIRE(counter.shells() == expected);
+        const Vec3 &a = facets.front().vertex[0], &b = facets.front().vertex[1];
+        REQUIRE(counter.shell_of(vertex_hash(a)) == counter.shell_of(vertex_hash(b)));
+      }
+    }
+}
+
 TEST_CASE("Vertices are numbered in the order of first appearance, and keep their numbers") {
   std::mt19937_64 random(4);
   VertexNumbers numbers;

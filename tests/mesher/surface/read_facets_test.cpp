@@ -1,6 +1,7 @@
 // What a surface file may look like, what comes out of it, and what is said when it is none.
 #include <xxhash.h>
 
+#include <map>
 #include <random>
 
 #include "tests/support/shared_files.hpp"
@@ -40,6 +41,32 @@ TEST_CASE("The same surface in every format gives the same facets") {
   CHECK(zipped.file.hash != plain.file.hash);
   CHECK(plain.file.float32 ==
         (format != "OBJ" && bytes.find("property float64") == std::string::npos && bytes.find("property double") == std::string::npos));
+}
+
+TEST_CASE("Formats whose files number the vertices tell these numbers: equal ones are equal vertices") {
+  const std::string polygons = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nf 1 2 3 4\nf -5 5//2 2/1/1\n# more\nf 1 5 4\n";
+  const std::string off = "OFF 4 4 6\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
+  for (const std::string& bytes : {kObj, polygons, off, ply_header("ascii") + kPlyBody, binary_ply<double>(std::endian::big)}) {
+    std::map<uint32_t, Vec3> vertex;
+    std::vector<std::array<uint32_t, 3>> numbers;
+    size_t facets = 0;
+    Input input("mesh", bytes);
+    read_facets(input, "",
+                [&](std::span<const Facet> some) {
+                  REQUIRE(numbers.size() == some.size());
+                  for (size_t f = 0; f < some.size(); ++f)
+                    for (int i = 0; i < 3; ++i) CHECK(vertex.try_emplace(numbers[f][i], some[f].vertex[i]).first->second == some[f].vertex[i]);
+                  facets += some.size();
+                },
+                {.numbers = &numbers});
+    CHECK(facets >= 4);
+    CHECK(vertex.size() < 6);
+    CHECK(numbers.empty());
+  }
+  std::vector<std::array<uint32_t, 3>> none;
+  const std::string stl = binary_stl(tetrahedron());
+  Input input("mesh", stl);
+  read_facets(input, "", [&](std::span<const Facet>) { CHECK(none.empty()); }, {.numbers = &none});
 }
 
 TEST_CASE("Line ends of every system, and a byte order mark, change nothing") {
