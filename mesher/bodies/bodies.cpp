@@ -305,7 +305,7 @@ class BodyReader {
   const bool together_;
   const uint64_t most_;
   const bool count_;
-  uint32_t patch_ = 0;        // of the facets that are being read
+  uint32_t patch_ = 0;  // of the facets that are being read
   std::vector<size_t> once_;  // bodies whose mesh was no regular file
   Bodies& out_;
   // Shared, because jobs may outlive the reading when it throws.

@@ -79,7 +79,7 @@ class VertexNumbers {
   void grow();
   void rehash(size_t size);
   RecentVertices recent_;
-  std::vector<VertexHash> hashes_;     // by number
+  std::vector<VertexHash> hashes_;  // by number
   std::vector<uint32_t, Populated<uint32_t>> table_;  // number + 1; 0 is free
 };
 
@@ -115,7 +115,7 @@ class ShellCounter {
   void settle_all();
 
   Groups nodes_;  // those of one shell. A vertex has one or more
-  RecentVertices recent_;        // the nodes of vertices
+  RecentVertices recent_;  // the nodes of vertices
   std::vector<uint32_t> known_;  // node + 1 of the vertices by their numbers in the file; 0: it has not come yet
   // A vertex that was not seen lately has a new node at once. Some time later, when its place in the table has reached the cache, it is looked up
   // there, and joined to the node that it had before.
@@ -123,7 +123,7 @@ class ShellCounter {
   uint64_t waited_ = 0, settled_ = 0;
   VertexNumbers numbers_;
   std::vector<uint32_t> first_node_;  // of a vertex, by its number
-  uint64_t numbered_ = 0;             // facets that came with numbers
+  uint64_t numbered_ = 0;  // facets that came with numbers
 };
 
 // Decided exactly.
@@ -153,9 +153,9 @@ class SurfaceCounter {
     degenerate_ += has_no_area(facet);
   }
 
-  uint64_t degenerate() const { return degenerate_; }              // facets without area
-  uint64_t duplicates() { return facets_.duplicates(); }           // facets with the three vertices of an earlier one
-  uint64_t opposite() { return facets_.opposite(); }               // duplicates whose orientation is opposite to the first one's
+  uint64_t degenerate() const { return degenerate_; }  // facets without area
+  uint64_t duplicates() { return facets_.duplicates(); }  // facets with the three vertices of an earlier one
+  uint64_t opposite() { return facets_.opposite(); }  // duplicates whose orientation is opposite to the first one's
   uint64_t shells() { return shells_.shells(); }
   SurfaceCounts totals() { return {degenerate(), duplicates(), opposite(), shells()}; }
   uint32_t shell_of(const VertexHash& vertex) { return shells_.shell_of(vertex); }

@@ -10,8 +10,8 @@ namespace teracell::mesher {
 
 // The unit roundoff of doubles.
 inline constexpr double kRoundoff = 0x1p-53;
-// Shewchuk's bound for the first stage of orient2d: where the difference of the two products is larger than this times the sum of their magnitudes, its
-// sign is right.
+// Shewchuk's bound for the first stage of orient2d: where the difference of the two products is larger than this times the sum of their magnitudes,
+// its sign is right.
 inline constexpr double kOrient2dBound = (3 + 16 * kRoundoff) * kRoundoff;
 
 // The sign of (b - a) x (p - a): +1 when a, b, p turn left.

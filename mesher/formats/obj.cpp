@@ -293,7 +293,7 @@ class ObjReader {
   Background* helper_;  // null: there is none, or the rest is not worth sharing
   VertexTable vertices_;
   std::array<PlainBlocks, 2> plain_;  // two windows, by turns
-  uint64_t next_plain_ = 0;                 // the offset from which to look for plain vertices again
+  uint64_t next_plain_ = 0;  // the offset from which to look for plain vertices again
   std::string joined_, group_, object_;
   bool grouped_ = false, group_wanted_ = false, in_object_ = false, object_wanted_ = false;
   bool wanted_;  // the facets of the current part go to the sink

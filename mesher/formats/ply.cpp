@@ -354,7 +354,7 @@ void read_strips(Values& values, const Lists& strips, VertexTable& vertices, Fac
       }
       const Corner c{static_cast<uint64_t>(number), vertex_at(values, number, vertices)};
       if (length >= 2 && wanted && a.number != b.number && b.number != c.number && c.number != a.number) {
-        const auto &[first, second] = length % 2 == 0 ? std::tie(a, b) : std::tie(b, a);
+        const auto& [first, second] = length % 2 == 0 ? std::tie(a, b) : std::tie(b, a);
         out.add(first.place, second.place, c.place, {first.number, second.number, c.number});
       }
       a = b, b = c;

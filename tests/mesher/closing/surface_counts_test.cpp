@@ -112,7 +112,8 @@ TEST_CASE("Shells are the same when the file numbers the vertices, whatever numb
         for (const Facet& f : facets) {
           std::array<uint32_t, 3> of_facet;
           for (int i = 0; i < 3; ++i)
-            of_facet[i] = numbers.try_emplace({f.vertex[i], random_int(random, 0, 4) == 0}, first + static_cast<uint32_t>(numbers.size())).first->second;
+            of_facet[i] =
+                numbers.try_emplace({f.vertex[i], random_int(random, 0, 4) == 0}, first + static_cast<uint32_t>(numbers.size())).first->second;
           if (random_int(random, 0, 5) == 0) counter.add(vertex_hashes(f));
           else counter.add(f, of_facet);
         }

@@ -92,9 +92,9 @@ std::pair<std::vector<std::string>, std::vector<uint32_t>> patches_of(bool face_
   uint32_t patch = ~0u;
   const PartGlob glob("");
   const FacetSink sink = [&](std::span<const Facet> facets) { of_facet.insert(of_facet.end(), facets.size(), patch); };
-  const std::function<void(uint32_t)> enter = [&](uint32_t p) { patch = p; };
-  FacetStream out(glob, sink, enter);
-  out.add_parts(tree, file, {.face_patches = face_patches});
+  const ReadOptions options = {.face_patches = face_patches, .enter_patch = [&](uint32_t p) { patch = p; }};
+  FacetStream out(glob, sink, options);
+  out.add_parts(tree, file, options);
   out.finish("a.step", file);
   return {file.patches, of_facet};
 }
