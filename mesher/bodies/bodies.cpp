@@ -97,7 +97,7 @@ class Study {
     Vec3 lo, hi;
     BoundaryProof boundary;
     bool opposites;
-    SurfaceCounts counts;  // but of shells
+    SurfaceCounts counts;  // without shells
     std::vector<double> areas;
     FlatFaces flat;
   };
@@ -332,7 +332,7 @@ bool Bodies::float32() const {
 std::vector<SurfaceCounts> Bodies::wait_for_counts() {
   helper->finish_all();
   std::vector<SurfaceCounts> out;
-  for (size_t b = 0; b < bodies.size(); ++b) {
+  for (size_t b = 0; b < shells->size(); ++b) {
     out.push_back(bodies[b].facet_counts);
     out.back().shells = (*shells)[b];
   }

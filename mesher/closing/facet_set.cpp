@@ -1,15 +1,11 @@
 #include "mesher/closing/facet_set.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <utility>
 
 namespace teracell::mesher {
-namespace {
-
-constexpr size_t kFastGrowth = size_t{1} << 16;  // tables that are larger may leave the cache
-
-}  // namespace
 
 void FacetSet::expect(uint64_t facets) {
   if (!sample_) rehash(std::bit_ceil(2 * (facets + kWaiting)));
@@ -36,7 +32,7 @@ void FacetSet::take_waiting() {
 
 void FacetSet::grow() {
   if (sample_) drop_beyond_sample();
-  if (2 * (count_ + kWaiting) > table_.size()) rehash(std::max(kLeastTable, (table_.size() < kFastGrowth ? 4 : 2) * table_.size()));
+  if (2 * (count_ + kWaiting) > table_.size()) rehash(std::max(kLeastTable, grown(table_.size())));
 }
 
 void FacetSet::rehash(size_t size) {
@@ -54,11 +50,11 @@ void FacetSet::rehash(size_t size) {
 
 // The greatest key that a sample of what is in the table may hold.
 uint64_t FacetSet::end_of_sample() const {
+  if (count_ <= kMost) return most_;
+  std::array<uint64_t, 65> keys{};  // by their number of bits
+  for (const uint64_t key : table_) ++keys[static_cast<size_t>(std::bit_width(key))];
   uint64_t most = most_;
-  for (uint64_t count = count_; count > kMost;) {
-    most /= 2;
-    count = static_cast<uint64_t>(std::ranges::count_if(table_, [&](uint64_t key) { return key != 0 && key <= most; }));
-  }
+  for (uint64_t count = count_; count > kMost; most /= 2) count -= keys[static_cast<size_t>(std::bit_width(most))];
   return most;
 }
 

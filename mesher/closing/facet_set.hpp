@@ -10,11 +10,11 @@
 namespace teracell::mesher {
 
 // Facets are equal when their three vertices are, in any order. Of equal ones, those are opposite whose orientation is not that of the first one;
-// a facet that has a vertex twice has no orientation. A hash table with open addressing and without erasure. Memory: 16 to 64 bytes per facet, or at
-// most 1 MiB for a sample. Not thread-safe.
+// a facet that has a vertex twice has no orientation. A hash table with open addressing and without erasure. Memory: 16 to 64 bytes per facet, or
+// 1 MiB for a sample, and 2 while it is thinned out. Not thread-safe.
 class FacetSet {
  public:
-  // Reserves memory, so that the table need not grow.
+  // Reserves memory, so that the table need not grow. REQUIRES: the set is empty.
   void expect(uint64_t facets);
   void add(const std::array<VertexHash, 3>& facet) {
     ++added_;

@@ -33,7 +33,7 @@ void Shells::add(const Facet& facet) {
   const std::array<VertexHash, 3> hashes = vertex_hashes(facet);
   std::array<uint32_t, 3> v;
   for (int i = 0; i < 3; ++i) {
-    v[i] = numbers_(hashes[i]);
+    v[i] = recent_.number(hashes[i], [&] { return numbers_.find_or_add(hashes[i]); });
     if (v[i] == vertex_groups_.size()) vertex_groups_.add();
   }
   for (int i = 1; i < 3; ++i) vertex_groups_.join(v[i], v[0]);
@@ -66,7 +66,7 @@ void Shells::end_batch() {
   if (vertices_) {
     for (uint32_t v = 0; v < vertex_groups_.size(); ++v)
       vertices_->add(bucket_of(*vertices_, numbers_.hash(v)), {numbers_.hash(v), group[vertex_groups_.of(v)]});
-    numbers_ = {};
+    numbers_ = {}, recent_ = {};
     vertex_groups_ = Groups();
   } else {
     first_group_of_vertex_.resize(vertex_groups_.size());

@@ -63,7 +63,8 @@ class Shells {
 
   const uint64_t most_;  // facets of a batch
   const uint64_t memory_;
-  VertexNumbers numbers_;  // this and the next two are of the batch; if there is only one batch they stay
+  VertexNumbers numbers_;  // this and the next three are of the batch; if there is only one batch they stay
+  RecentVertices recent_;
   Groups vertex_groups_;
   std::vector<BatchFacet> batch_;
   uint64_t facets_before_ = 0;  // in earlier batches

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "mesher/surface/read_options.hpp"
+
 namespace teracell::mesher {
 
 uint32_t VertexNumbers::find(const VertexHash& hash) const {
@@ -22,7 +24,7 @@ uint32_t VertexNumbers::find_or_add(const VertexHash& hash) {
   return count() - 1;
 }
 
-void VertexNumbers::grow() { rehash(std::max<size_t>(kSmallTable, (table_.size() < kFastGrowth ? 4 : 2) * table_.size())); }
+void VertexNumbers::grow() { rehash(std::max(kLeastTable, grown(table_.size()))); }
 
 void VertexNumbers::rehash(size_t size) {
   table_.assign(size, 0);
@@ -36,7 +38,8 @@ void VertexNumbers::rehash(size_t size) {
 
 void ShellCounter::add(const Facet& facet, const std::array<uint32_t, 3>& numbers) {
   ++numbered_;
-  const uint64_t most = uint64_t{8} * numbered_ + 65536;  // of a file with many vertices, few may be of its facets
+  // Of a file with many vertices, few may be of its facets.
+  const uint64_t most = std::min(2 * numbered_ + 65536, uint64_t{kNoVertexNumber});
   if (std::max({numbers[0], numbers[1], numbers[2]}) >= most) return add(vertex_hashes(facet));
   std::array<uint32_t, 3> v;
   for (int i = 0; i < 3; ++i) {
@@ -75,7 +78,5 @@ uint32_t ShellCounter::shell_of(const VertexHash& vertex) {
   settle_all();
   return nodes_.of(first_node_[numbers_.find(vertex)]);
 }
-
-bool has_no_area_exactly(const Facet& f) { return normal_sign(f, 2) == 0 && normal_sign(f, 1) == 0 && normal_sign(f, 0) == 0; }
 
 }  // namespace teracell::mesher

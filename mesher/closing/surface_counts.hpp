@@ -2,8 +2,8 @@
 #pragma once
 #include <array>
 #include <bit>
-#include <cmath>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "mesher/closing/facet_set.hpp"
@@ -20,17 +20,14 @@ namespace teracell::mesher {
 // size only after some hundred vertices, because scenes of 100,000 bodies mostly have bodies with few.
 class RecentVertices {
  public:
-  // Null: it is not among them.
-  const uint32_t* find(const VertexHash& hash) const {
+  // The number that was kept for the vertex; else that which `otherwise` returns, which is kept.
+  template <class F>
+  uint32_t number(const VertexHash& hash, F&& otherwise) {
     const Recent& recent = recent_[hash.low >> shift_];
-    return recent.hash == hash && recent.number != kNone ? &recent.number : nullptr;
-  }
-  void put(const VertexHash& hash, uint32_t number) {
-    if (number >= kFew && recent_.size() < 512) {
-      recent_.assign(512, {});
-      shift_ = 55;
-    }
-    recent_[hash.low >> shift_] = {hash, number};
+    if (recent.hash == hash && recent.number != kNone) return recent.number;
+    const uint32_t number = otherwise();
+    keep(hash, number);
+    return number;
   }
 
  private:
@@ -39,6 +36,13 @@ class RecentVertices {
     VertexHash hash;
     uint32_t number = kNone;
   };
+  void keep(const VertexHash& hash, uint32_t number) {
+    if (number >= kFew && recent_.size() < 512) {
+      recent_.assign(512, {});
+      shift_ = 55;
+    }
+    recent_[hash.low >> shift_] = {hash, number};
+  }
   std::vector<Recent> recent_ = std::vector<Recent>(8);
   int shift_ = 61;  // recent_ has 2^(64 - shift) entries
 };
@@ -48,14 +52,6 @@ class RecentVertices {
 // slow in the usual case, because most of it would not be in the cache.
 class VertexNumbers {
  public:
-  uint32_t operator()(const Vec3& vertex) { return (*this)(vertex_hash(vertex)); }
-  uint32_t operator()(const VertexHash& hash) {
-    if (const uint32_t* known = recent_.find(hash)) return *known;
-    const uint32_t number = find_or_add(hash);
-    recent_.put(hash, number);
-    return number;
-  }
-  // The same for a vertex that did not come lately.
   uint32_t find_or_add(const VertexHash& hash);
   // A call for that hash comes soon: its place in the table is asked for, and some time later what the place leads to.
   void prefetch(const VertexHash& hash) const {
@@ -68,6 +64,7 @@ class VertexNumbers {
   // REQUIRES: a vertex with that hash has a number.
   uint32_t find(const VertexHash& hash) const;
   const VertexHash& hash(uint32_t number) const { return hashes_[number]; }
+  // REQUIRES: no vertex has a number.
   void expect(uint64_t vertices) {
     rehash(std::bit_ceil(2 * vertices + 1024));
     hashes_.reserve(vertices);
@@ -75,27 +72,22 @@ class VertexNumbers {
   uint32_t count() const { return static_cast<uint32_t>(hashes_.size()); }
 
  private:
-  static constexpr size_t kSmallTable = 64, kFastGrowth = size_t{1} << 16;
+  static constexpr size_t kLeastTable = 64;
   void grow();
   void rehash(size_t size);
-  RecentVertices recent_;
   std::vector<VertexHash> hashes_;  // by number
   std::vector<uint32_t, Populated<uint32_t>> table_;  // number + 1; 0 is free
 };
 
-// Counts the shells of a surface: groups of facets connected by equal vertices. Facets come in any order. Memory: some 20 bytes per facet. Not
-// thread-safe.
+// Counts the shells of a surface: groups of facets connected by equal vertices. Facets come in any order. Memory: some 20 bytes per facet
+// of a closed surface, and 40 if its facets come at random. Not thread-safe.
 class ShellCounter {
  public:
-  // Reserves memory, so that the tables need not grow. A closed surface has about half as many vertices as facets.
+  // Reserves memory, so that the tables need not grow. A closed surface has about half as many vertices as facets. REQUIRES: no facet was added.
   void expect(uint64_t facets) { numbers_.expect(facets / 2); }
   void add(const std::array<VertexHash, 3>& facet) {
     std::array<uint32_t, 3> v;
-    for (int i = 0; i < 3; ++i) {
-      const uint32_t* known = recent_.find(facet[i]);
-      v[i] = known ? *known : first_seen(facet[i]);
-      if (!known) recent_.put(facet[i], v[i]);
-    }
+    for (int i = 0; i < 3; ++i) v[i] = recent_.number(facet[i], [&] { return first_seen(facet[i]); });
     nodes_.join(v[1], v[0], v[2]);
   }
   // A facet of a file that names vertices by number: a vertex is hashed once only.
@@ -127,21 +119,17 @@ class ShellCounter {
 };
 
 // Decided exactly.
-bool has_no_area_exactly(const Facet& facet);
-inline bool has_no_area(const Facet& facet) {
-  const auto& [a, b, c] = facet.vertex;
-  for (int s = 0; s < 3; ++s) {  // where doubles tell that a projection has an area, that is all
-    const int t = (s + 1) % 3;
-    const double left = (b[s] - a[s]) * (c[t] - a[t]), right = (b[t] - a[t]) * (c[s] - a[s]);
-    if (std::abs(left - right) > kOrient2dBound * (std::abs(left) + std::abs(right))) return false;
-  }
-  return has_no_area_exactly(facet);
+inline bool has_no_area(const Facet& f) {
+  const auto& [a, b, c] = f.vertex;
+  for (const auto& [s, t] : {std::pair(0, 1), std::pair(1, 2), std::pair(2, 0)})  // a projection with an area is enough
+    if (sure_turn(a[s], a[t], b[s], b[t], c[s], c[t]) != 0) return false;
+  return normal_sign(f, 2) == 0 && normal_sign(f, 1) == 0 && normal_sign(f, 0) == 0;
 }
 
 // Counts the shells of a surface and its degenerate and duplicate facets. Facets come in any order. Not thread-safe.
 class SurfaceCounter {
  public:
-  // Reserves memory, so that the tables need not grow.
+  // Reserves memory, so that the tables need not grow. REQUIRES: no facet was added.
   void expect(uint64_t facets) { shells_.expect(facets), facets_.expect(facets); }
   // Degenerate and duplicate facets are counted only if `at_home`, because counters of several parts of a surface may see the same
   // facet.
@@ -158,7 +146,7 @@ class SurfaceCounter {
   uint64_t opposite() { return facets_.opposite(); }  // duplicates whose orientation is opposite to the first one's
   uint64_t shells() { return shells_.shells(); }
   SurfaceCounts totals() { return {degenerate(), duplicates(), opposite(), shells()}; }
-  uint32_t shell_of(const VertexHash& vertex) { return shells_.shell_of(vertex); }
+  uint32_t shell_of(const VertexHash& vertex) { return shells_.shell_of(vertex); }  // as ShellCounter's
 
  private:
   ShellCounter shells_;

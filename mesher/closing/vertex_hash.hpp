@@ -44,6 +44,9 @@ struct FacetKey {
   static bool is_odd(const std::array<VertexHash, 3>& v) { return ((v[0].low > v[1].low) ^ (v[1].low > v[2].low) ^ (v[0].low > v[2].low)) != 0; }
 };
 
+// The next size of a hash table. Large ones may leave the cache, so they grow less at once.
+inline size_t grown(size_t table) { return (table < size_t{1} << 16 ? 4 : 2) * table; }
+
 inline std::array<VertexHash, 3> vertex_hashes(const Facet& facet) {
   return {vertex_hash(facet.vertex[0]), vertex_hash(facet.vertex[1]), vertex_hash(facet.vertex[2])};
 }

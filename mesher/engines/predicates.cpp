@@ -32,9 +32,7 @@ int sign(double x) { return (x > 0) - (x < 0); }
 }  // namespace
 
 int orient2d(double ax, double ay, double bx, double by, double px, double py) {
-  const double left = (bx - ax) * (py - ay), right = (by - ay) * (px - ax);
-  const double det = left - right;
-  if (std::abs(det) > kOrient2dBound * (std::abs(left) + std::abs(right))) return sign(det);
+  if (const double turn = sure_turn(ax, ay, bx, by, px, py); turn != 0) return sign(turn);
   return (difference(bx, ax) * difference(py, ay) - difference(by, ay) * difference(px, ax)).sign();
 }
 

@@ -10,9 +10,14 @@ namespace teracell::mesher {
 
 // The unit roundoff of doubles.
 inline constexpr double kRoundoff = 0x1p-53;
-// Shewchuk's bound for the first stage of orient2d: where the difference of the two products is larger than this times the sum of their magnitudes,
-// its sign is right.
-inline constexpr double kOrient2dBound = (3 + 16 * kRoundoff) * kRoundoff;
+
+// (b - a) x (p - a) where doubles tell its sign for sure (Shewchuk's bound for the first stage of orient2d); elsewhere 0.
+inline double sure_turn(double ax, double ay, double bx, double by, double px, double py) {
+  constexpr double kBound = (3 + 16 * kRoundoff) * kRoundoff;
+  const double left = (bx - ax) * (py - ay), right = (by - ay) * (px - ax);
+  const double turn = left - right;
+  return std::abs(turn) > kBound * (std::abs(left) + std::abs(right)) ? turn : 0;
+}
 
 // The sign of (b - a) x (p - a): +1 when a, b, p turn left.
 int orient2d(double ax, double ay, double bx, double by, double px, double py);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -104,8 +105,10 @@ class ObjReader {
     for (size_t turn = 0; helper_ && input_.offset() >= next_plain_; ++turn) {
       PlainBlocks& blocks = plain_[turn % 2];
       const std::string_view text = input_.window(kWorthSharing).substr(0, Input::kWindow);
+      if (text.size() < kWorthSharing) helper_ = nullptr;  // too little is left
+      if (!helper_) break;
       if (!cut(text, blocks)) {
-        helper_ = nullptr;
+        next_plain_ = input_.offset() + kWorthSharing;
         break;
       }
       std::atomic<size_t> next = 0;
@@ -145,17 +148,16 @@ class ObjReader {
   static constexpr size_t kBlocks = 16, kWorthSharing = Input::kWindow / 2;
   using PlainBlocks = std::array<PlainBlock, kBlocks>;
 
-  // False if it is too little to be shared, or has no line ends.
+  // False if a line is longer than a block.
   static bool cut(std::string_view text, PlainBlocks& blocks) {
-    constexpr size_t kShortest = 8;  // line: "v 0 0 0\n"
-    if (text.size() < kWorthSharing) return false;
+    constexpr size_t kShortestLine = 8;  // "v 0 0 0\n"
     size_t first = 0;
     for (size_t b = 0; b < kBlocks; ++b) {
       const size_t end = text.rfind('\n', text.size() * (b + 1) / kBlocks - 1) + 1;  // 0: there is none
       if (end <= first) return false;
       blocks[b].text = text.substr(first, end - first);
       blocks[b].vertices.clear();
-      blocks[b].vertices.reserve(blocks[b].text.size() / kShortest + 1);  // now, so that nothing throws while the helper works
+      blocks[b].vertices.reserve(blocks[b].text.size() / kShortestLine + 1);  // now, so that nothing throws while the helper works
       first = end;
     }
     return true;
@@ -202,33 +204,33 @@ class ObjReader {
   void read_face(std::string_view line) {
     Fan fan(out_, wanted_);
     for (;;) {
-      if (const uint64_t number = plain_vertex(line); number != 0) {
-        fan.add(vertices_[number - 1], number - 1);
+      if (const std::optional<uint64_t> number = plain_number_of_vertex(line)) {
+        fan.add(vertices_[*number], *number);
         continue;
       }
       const std::string_view word = next_word(line);
       if (word.empty() || word[0] == '#') break;
-      const uint64_t index = vertex(word);
-      fan.add(vertices_[index], index);
+      const uint64_t number = number_of_vertex(word);
+      fan.add(vertices_[number], number);
     }
     if (fan.vertices() < 3) throw InputError(fmt::format("{}: expected a face of 3 or more vertices, found {}", input_.at_line(), fan.vertices()));
   }
 
-  // The number of a vertex, from 1 on, that is the next word of `line`, if that word is a few digits. Otherwise 0, and `line` is unchanged.
-  // Nearly all words are such numbers, and vertex() takes three times as long.
-  uint64_t plain_vertex(std::string_view& line) {
+  // The number of the vertex, from 0 on, that is the next word of `line`, if that word is a few digits. Otherwise none, and `line` is unchanged.
+  // Nearly all words are such numbers, and number_of_vertex() takes three times as long.
+  std::optional<uint64_t> plain_number_of_vertex(std::string_view& line) {
     const char* p = line.data();
     const char* const end = p + line.size();
     while (p != end && is_blank(*p)) ++p;
     uint64_t number = 0;
     for (int digits = 0; p != end && *p >= '0' && *p <= '9' && digits < 10; ++p, ++digits) number = 10 * number + static_cast<uint64_t>(*p - '0');
-    if ((p != end && !is_blank(*p)) || number == 0 || number > vertices_.size()) return 0;
+    if ((p != end && !is_blank(*p)) || number == 0 || number > vertices_.size()) return std::nullopt;
     line = {p, static_cast<size_t>(end - p)};
-    return number;
+    return number - 1;
   }
 
   // v, v/t, v//n or v/t/n. A negative number counts back from the vertex declared last. Returns the number of the vertex from 0 on.
-  uint64_t vertex(std::string_view word) {
+  uint64_t number_of_vertex(std::string_view word) {
     const size_t slash = std::min(word.find('/'), word.size());
     if (slash == 0 || word.find_first_not_of("0123456789+-/", slash) != std::string_view::npos)
       refuse_number(word, "a vertex v, v/t, v//n or v/t/n", input_);

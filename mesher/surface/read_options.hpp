@@ -43,6 +43,8 @@ inline std::shared_ptr<const CadOptions> cad_or_usual(const std::shared_ptr<cons
   return cad ? cad : usual;
 }
 
+inline constexpr uint32_t kNoVertexNumber = ~uint32_t{0};
+
 struct ReadOptions {
   Budget budget;                 // vertices that must be kept stay within it; others are kept on disk
   std::string units;             // coordinates of a file that states its unit are converted to these; empty: they stay as they are
@@ -55,8 +57,9 @@ struct ReadOptions {
   std::function<void(uint64_t)> expect = [](uint64_t) {};
   // Called when the facets that follow belong to another patch, with its number in SurfaceFile::patches; before the first facet, too.
   std::function<void(uint32_t)> enter_patch = [](uint32_t) {};
-  // If not null, holds the numbers that the file gives to the vertices of the facets which the sink gets, from 0 on (~0: too large a one). Equal
-  // numbers are equal vertices. As many as there are facets; fewer where the format has none, as STL and formats with a tree.
+  // If not null, holds the numbers that the file gives to the vertices of the facets which the sink gets, from 0 on. Equal numbers are equal
+  // vertices, but for kNoVertexNumber, which stands for any that is too large. As many as there are facets; fewer where the format has none, as STL
+  // and formats with a tree.
   std::vector<std::array<uint32_t, 3>>* numbers = nullptr;
   // Called for each part of a tree that is wanted, after enter_patch. Where it returns true the sink gets none of its facets: whoever asks
   // takes them from `kept` when they are needed.

@@ -55,7 +55,7 @@ class FacetStream {
 
  private:
   static constexpr size_t kFew = 32, kMany = 4096;
-  static uint32_t vertex_number(uint64_t number) { return static_cast<uint32_t>(std::min<uint64_t>(number, ~uint32_t{0})); }
+  static uint32_t vertex_number(uint64_t number) { return static_cast<uint32_t>(std::min<uint64_t>(number, kNoVertexNumber)); }
   void note(const std::string& name);
   void add_by_color(PartTree& tree, const Part& part);
   void flush();

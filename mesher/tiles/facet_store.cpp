@@ -1,6 +1,7 @@
 #include "mesher/tiles/facet_store.hpp"
 
 #include <type_traits>
+#include <utility>
 
 namespace teracell::mesher {
 
@@ -11,7 +12,8 @@ void FacetStore::add_piece() {
     small_.push_back(std::make_unique_for_overwrite<SceneFacet[]>(kPiece));
     pieces_.push_back(small_.back().get());
   } else if (const uint64_t of_region = (number - kSmall) % kPiecesOfRegion; of_region == 0) {
-    regions_.emplace_back(HugeMemory::allocate(kPiecesOfRegion * kPiece * sizeof(SceneFacet)));
+    std::unique_ptr<void, HugeMemory> region(HugeMemory::allocate(kPiecesOfRegion * kPiece * sizeof(SceneFacet)));
+    regions_.push_back(std::move(region));
     pieces_.push_back(static_cast<SceneFacet*>(regions_.back().get()));
   } else {
     pieces_.push_back(pieces_.back() + kPiece);

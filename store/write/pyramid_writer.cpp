@@ -55,7 +55,11 @@ void PyramidNode::add(uint32_t cu, uint32_t cv, Chunk coarsened, ChunkEncoder& e
   if (children_[at].rays.rays() != 0) throw FormatError(fmt::format("level {} chunk ({}, {}): it is there twice", level_, cu, cv));
   children_[at] = std::move(coarsened);
   if (--missing_[q] > 0 || !whole_) return;
-  make_quarter(q, encoder);
+  try {
+    make_quarter(q, encoder);
+  } catch (...) {
+    failed_[q] = std::current_exception();  // thrown with the last quarter, so that of several it is always the same one
+  }
   if (--quarters_left_ == 0) make_even(encoder);
 }
 
@@ -68,6 +72,8 @@ void PyramidNode::make_quarter(uint32_t q, ChunkEncoder& encoder) {
 }
 
 void PyramidNode::make_even(ChunkEncoder& encoder) {
+  for (const std::exception_ptr& failed : failed_)
+    if (failed) std::rethrow_exception(failed);
   for (uint32_t q = 0; q < 4; ++q)  // those whose children were all made before the run was resumed
     if (odd_[q].segments.empty()) make_quarter(q, encoder);
   if (level_ + 2 >= meta_.grid.levels()) return;

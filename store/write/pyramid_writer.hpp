@@ -3,6 +3,7 @@
 // chunks (kFanOut in pyramid.hpp); on every other level it holds the children of one chunk that is not put yet.
 #pragma once
 #include <atomic>
+#include <exception>
 #include <memory>
 
 #include "store/runs/pyramid.hpp"
@@ -49,6 +50,7 @@ class PyramidNode {
   std::atomic<uint32_t> quarters_left_ = 0;
   std::array<LevelChunk, 4> odd_;  // by quarter, without segments where there is none
   std::array<Chunk, 4> quarters_;  // the same, coarsened
+  std::array<std::exception_ptr, 4> failed_;
   LevelChunk even_;
   uint32_t unput_;                        // children that are not put yet
   std::array<bool, kChildren> put_ = {};  // whether a child is

@@ -132,7 +132,7 @@ TEST_CASE("Vertices are numbered in the order of first appearance, and keep thei
   for (size_t i = 0; i < rounds(20000); ++i) {
     const Vec3 v{double(random_int(random, 0, 99)), double(random_int(random, 0, 99)), 0.1};
     const auto number = static_cast<uint32_t>(expected.size());
-    REQUIRE(numbers(v) == expected.try_emplace(v, number).first->second);
+    REQUIRE(numbers.find_or_add(vertex_hash(v)) == expected.try_emplace(v, number).first->second);
   }
   REQUIRE(numbers.count() == expected.size());
   for (const auto& [v, number] : expected) {
