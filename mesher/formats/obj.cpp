@@ -27,8 +27,9 @@ size_t plain_vertices(std::string_view text, std::vector<Vec3>& out) {
   for (;;) {
     const char* p = line;
     if (end - p < 2 || *p++ != 'v') break;
+    Vec3 v;
     bool plain = true;
-    for (double& x : out.emplace_back()) {  // in its place: a copy would wait for three stores
+    for (double& x : v) {
       const char* const blank = p;
       while (p != end && is_space(*p)) ++p;
       const char* stop = plain_number(p, end, x);
@@ -40,10 +41,8 @@ size_t plain_vertices(std::string_view text, std::vector<Vec3>& out) {
       p = stop;
     }
     while (p != end && is_space(*p)) ++p;
-    if (!plain || p == end || *p != '\n') {
-      out.pop_back();
-      break;
-    }
+    if (!plain || p == end || *p != '\n') break;
+    out.push_back(v);
     line = p + 1;
   }
   return static_cast<size_t>(line - text.data());
@@ -157,7 +156,7 @@ class ObjReader {
       if (end <= first) return false;
       blocks[b].text = text.substr(first, end - first);
       blocks[b].vertices.clear();
-      blocks[b].vertices.reserve(blocks[b].text.size() / kShortestLine + 1);  // now, so that nothing throws while the helper works
+      blocks[b].vertices.reserve(blocks[b].text.size() / kShortestLine);  // now, so that nothing throws while the helper works
       first = end;
     }
     return true;
