@@ -28,6 +28,11 @@ size_t body_size(std::span<const uint8_t> frame, const BodyBound& bound, const s
 
 }  // namespace
 
+size_t zstd_frame_size(std::span<const uint8_t> bytes) {
+  const size_t size = ZSTD_findFrameCompressedSize(bytes.data(), bytes.size());
+  return ZSTD_isError(size) ? 0 : size;
+}
+
 ZstdEncoder::ZstdEncoder() : zstd_(made(ZSTD_createCCtx())) {}
 ZstdEncoder::~ZstdEncoder() { ZSTD_freeCCtx(zstd_); }
 

@@ -18,6 +18,9 @@ struct BodyBound {
   uint64_t of(uint64_t frame_bytes) const { return std::min(most, std::max(of_any_frame, 256 * frame_bytes)); }
 };
 
+// The bytes of the zstd frame that `bytes` begin with; 0 if they don't.
+size_t zstd_frame_size(std::span<const uint8_t> bytes);
+
 // Keeps scratch memory between calls: each thread has its own.
 class ZstdEncoder {
  public:

@@ -9,7 +9,7 @@
 namespace teracell::inline store {
 
 Channel fractions_channel(const Subdivision& samples) {
-  Channel out{kFractions, kShares};
+  Channel out{kFractions, kStretches};
   out.about = Json{{"samples", samples}}.dump();
   return out;
 }
@@ -28,14 +28,15 @@ Subdivision subdivision_of(const Channel& channel) {
 }
 
 const Channel* find_fractions(const Metadata& meta) {
-  const auto found = std::ranges::find_if(meta.others(), [](const Channel& c) { return c.name == kFractions && c.coding == kShares; });
+  const auto found =
+      std::ranges::find_if(meta.others(), [](const Channel& c) { return c.name == kFractions && (c.coding == kStretches || c.coding == kShares); });
   return found == meta.others().end() ? nullptr : &*found;
 }
 
 void decode_fractions(const Metadata& meta, const ChunkKey& key, const Subdivision& samples, std::span<const uint8_t> frame, MixedCells& out) {
   const LevelShape s(meta, 0);
-  decode_mixed_cells(frame, s.rays_u(key.cu), s.rays_v(key.cv), s.length(key.segment), static_cast<uint32_t>(meta.labels.size()),
-                     sub_samples(samples), out);
+  const auto decode = find_fractions(meta)->coding == kShares ? decode_shares : decode_mixed_cells;
+  decode(frame, s.rays_u(key.cu), s.rays_v(key.cv), s.length(key.segment), static_cast<uint32_t>(meta.labels.size()), sub_samples(samples), out);
 }
 
 }  // namespace teracell::store

@@ -32,6 +32,7 @@ void check_fractions(const GridReader& reader, const Channel& channel, const std
 
 }  // namespace
 
-const ChannelKind kFractionsKind = {kFractions, kShares, check_fractions, [](const Channel& channel) { subdivision_of(channel); }};
+const ChannelKind kFractionsKind = {kFractions, kStretches, check_fractions, [](const Channel& channel) { subdivision_of(channel); }};
+const ChannelKind kOldFractionsKind = {kFractions, kShares, check_fractions, [](const Channel& channel) { subdivision_of(channel); }};
 
 }  // namespace teracell::store

@@ -9,7 +9,8 @@
 
 namespace teracell::inline store {
 
-inline constexpr char kFractions[] = "fractions", kShares[] = "shares";  // the name and the coding of the channel
+// The name of the channel, its coding, and that of files up to version 3.1.
+inline constexpr char kFractions[] = "fractions", kStretches[] = "stretches", kShares[] = "shares";
 
 // How many sub-samples a cell has along x, y and z: powers of two from 1 to 256, with a product of at most 65536.
 using Subdivision = std::array<uint32_t, 3>;
@@ -27,7 +28,7 @@ struct MixedCells {
   std::vector<uint32_t> begin{0};                  // rays + 1: where a ray's runs start
   std::vector<Run> runs;                           // ascending within a ray, without overlap
   SequenceTable sets;                              // labels, ascending
-  std::vector<uint32_t> counts;                    // each above 0; those of a run add up to `total`
+  std::vector<uint32_t> counts;                    // each above 0; those of a run add up to `total`, and follow those of the run before it
 
   void reset(uint32_t new_nu, uint32_t new_nv, uint32_t new_length, uint32_t new_total);
   // Appends a run to the ray that is being filled; joins it to the run before it if that has the same shares and ends where it begins.
@@ -59,5 +60,7 @@ class MixedCellsEncoder {
 
 // Throws FormatError unless `frame` is a valid one of nu x nv rays of `length` cells with labels below `labels` and `total` sub-samples.
 void decode_mixed_cells(std::span<const uint8_t> frame, uint32_t nu, uint32_t nv, uint32_t length, uint32_t labels, uint32_t total, MixedCells& out);
+// The same for the coding kShares.
+void decode_shares(std::span<const uint8_t> frame, uint32_t nu, uint32_t nv, uint32_t length, uint32_t labels, uint32_t total, MixedCells& out);
 
 }  // namespace teracell::store

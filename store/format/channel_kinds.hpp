@@ -13,6 +13,7 @@
 #define TERACELL_CHANNEL_KINDS(kind) \
   kind(kLabelsKind) \
   kind(kFractionsKind) \
+  kind(kOldFractionsKind) \
   kind(kLinksKind)
 // clang-format on
 

@@ -12,7 +12,6 @@
 namespace teracell::inline store {
 namespace {
 
-constexpr uint32_t kSkippableMagic = 0x184D2A5E;  // zstd tools step over frames that start with it
 constexpr char kHeaderMagic[] = "teracell", kFooterMagic[] = "tcellend";
 constexpr std::string_view kPartMagic = "tcellpt";  // of any layout (part.cpp)
 constexpr int kTextLevel = 6;

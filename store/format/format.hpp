@@ -15,7 +15,8 @@
 
 namespace teracell::inline store {
 
-inline constexpr uint16_t kFormatMajor = 3, kFormatMinor = 1, kOldestMajor = 2;  // what is written, and the oldest that is read
+inline constexpr uint32_t kSkippableMagic = 0x184D2A5E;  // zstd tools step over frames that start with it
+inline constexpr uint16_t kFormatMajor = 3, kFormatMinor = 2, kOldestMajor = 2;  // what is written, and the oldest that is read
 
 uint64_t checksum(std::span<const uint8_t> bytes);  // XXH3, 64 bits, seed 0
 std::string compressor_version();                   // another version may compress to other bytes

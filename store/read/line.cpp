@@ -56,7 +56,7 @@ class Walk {
 };
 
 // A stretch of the line within one ray of the grid, and its cells along the ray, in the order of the line.
-struct Stretch {
+struct LineCells {
   std::vector<std::pair<int64_t, double>> cells;  // and the share at which each is left
   double from = 0;
 };
@@ -66,7 +66,7 @@ class Collector {
   explicit Collector(const GridReader& reader) : reader_(reader), material_(strongest_material(reader.meta())), w_(reader.meta().frame().w) {}
 
   // Takes the materials of the cells of a stretch. `cell`: one of them.
-  void take(Index3 cell, const Stretch& stretch) {
+  void take(Index3 cell, const LineCells& stretch) {
     Wanted::stop_if_not();
     const int64_t low = std::min(stretch.cells.front().first, stretch.cells.back().first),
                   high = std::max(stretch.cells.front().first, stretch.cells.back().first);
@@ -110,7 +110,7 @@ std::vector<LineRun> read_line(const GridReader& reader, const Vec3& a, const Ve
   Collector collector(reader);
   if (!(t1 > t0)) return {};
   for (Walk& walk : walks) walk.start(t0);
-  Stretch stretch;
+  LineCells stretch;
   stretch.from = t0;
   for (double t = t0;;) {
     Walk& next = *std::ranges::min_element(walks, {}, &Walk::leaves);

@@ -20,7 +20,7 @@ class OldFiles(Case):
         self.run_ok("sample", "stadium", "-o", "stadium")
         self.run_ok("mesh", "stadium/scene.json", "--cells", 100, "-o", "new.tcell")
         self.run_ok("pack", OLD, "-o", "packed.tcell")
-        self.assertEqual([self.json_of("info", file)["file"]["version"] for file in (OLD, "new.tcell", "packed.tcell")], ["2.1", "3.1", "3.1"])
+        self.assertEqual([self.json_of("info", file)["file"]["version"] for file in (OLD, "new.tcell", "packed.tcell")], ["2.1", "3.2", "3.2"])
         for file in (OLD, "packed.tcell"):
             self.assertIn("sound", self.run_ok("verify", file).out)
             self.assertIn("the grids are equal", self.run_ok("diff", file, "new.tcell").out)

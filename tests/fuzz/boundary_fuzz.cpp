@@ -57,7 +57,7 @@ class Hand {
 
   Bytes forged_file() {
     ForgedChannel links{kLinks, frames_of(honest_links), kDistances};
-    ForgedChannel fractions{kFractions, frames_of(honest_fractions), kShares, fractions_channel(kSamples).about};
+    ForgedChannel fractions{kFractions, frames_of(honest_fractions), kStretches, fractions_channel(kSamples).about};
     if (here()) fractions.about = fmt::format(R"({{"samples":[{},{},{}]}})", in_.ConsumeIntegral<int16_t>(), below(300), below(300));
     return forge(sound().file, {.channels = {links, fractions}});
   }
@@ -83,9 +83,18 @@ class Hand {
     return out;
   }
 
+  // Of a chunk with mixed cells, which alone are no zstd frame, its body and its counts.
   Bytes edited(const Bytes& frame) {
     if (!here()) return frame;
-    std::string body = decode_text(frame, "honest");
+    if (fixed_at<uint32_t>(frame.data()) != kSkippableMagic) return encode_text(edited(decode_text(frame, "honest")));
+    MixedFrame parts = mixed_frame(frame);
+    if (!here()) parts.body = edited(parts.body);
+    const std::string counts = here() ? edited(std::string(parts.counts.begin(), parts.counts.end())) : "";
+    if (!counts.empty()) parts.counts.assign(counts.begin(), counts.end());
+    return forge(parts);
+  }
+
+  std::string edited(std::string body) {
     for (size_t left = below(4); left > 0 && !body.empty(); --left) {
       const size_t at = below(body.size());
       switch (below(4)) {
@@ -99,7 +108,7 @@ class Hand {
         }
       }
     }
-    return encode_text(body);
+    return body;
   }
 
   FuzzedDataProvider in_;

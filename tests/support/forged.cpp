@@ -133,4 +133,44 @@ class Forger {
 
 Bytes forge(const Bytes& file, const Lies& lies) { return Forger(file, lies).forge(); }
 
+MixedFrame mixed_frame(std::span<const uint8_t> frame) {
+  const std::span<const uint8_t> inner = frame.subspan(8);
+  const size_t size = zstd_frame_size(inner);
+  return {decode_text(inner.first(size), "mixed cells"), {inner.begin() + static_cast<ptrdiff_t>(size), inner.end()}};
+}
+
+Bytes forge(const MixedFrame& parts) {
+  const Bytes body = encode_text(parts.body);
+  Bytes out;
+  put_fixed<uint32_t>(out, kSkippableMagic);
+  put_fixed<uint32_t>(out, static_cast<uint32_t>(body.size() + parts.counts.size()));
+  out.insert(out.end(), body.begin(), body.end());
+  out.insert(out.end(), parts.counts.begin(), parts.counts.end());
+  return out;
+}
+
+Bytes old_mixed_frame(const MixedCells& cells) {
+  Bytes body, begins, lengths, sets, low, high;
+  put_varint(body, cells.sets.size());
+  for (uint32_t i = 0; i < cells.sets.size(); ++i) put_set(body, {cells.sets[i].begin(), cells.sets[i].end()});
+  int64_t first = 0;
+  for (uint32_t ray = 0; ray < cells.nu * cells.nv; ++ray) {
+    const auto runs = cells.of_ray(ray);
+    put_varint(body, runs.size());
+    for (size_t i = 0; i < runs.size(); ++i) {
+      const int64_t step = i == 0 ? runs[i].from - first : runs[i].from - runs[i - 1].to;
+      put_varint(begins, i > 0 ? static_cast<uint64_t>(step) : static_cast<uint64_t>(step < 0 ? -2 * step - 1 : 2 * step));
+      put_varint(lengths, runs[i].to - runs[i].from - 1);
+      if (cells.sets.size() > 1) put_varint(sets, runs[i].set);
+      for (size_t k = 0; k + 1 < cells.labels(runs[i]).size(); ++k) {
+        low.push_back(static_cast<uint8_t>(cells.counts_of(runs[i])[k] - 1));
+        if (cells.total > 256) high.push_back(static_cast<uint8_t>((cells.counts_of(runs[i])[k] - 1) >> 8));
+      }
+    }
+    if (!runs.empty()) first = runs[0].from;
+  }
+  for (const Bytes& part : {begins, lengths, sets, low, high}) body.insert(body.end(), part.begin(), part.end());
+  return encode_text({body.begin(), body.end()});
+}
+
 }  // namespace teracell::testing

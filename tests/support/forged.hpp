@@ -3,6 +3,7 @@
 #pragma once
 #include <functional>
 
+#include "store/channels/mixed_cells.hpp"
 #include "store/format/format.hpp"
 #include "store/grid/metadata.hpp"
 
@@ -37,5 +38,15 @@ Bytes forge(const Bytes& file, const Lies& lies);
 inline Bytes without_amounts(const Bytes& file) {
   return forge(file, {.metadata = [](Metadata& m) { m.amounts.clear(); }});
 }
+
+// What the frame of a chunk with mixed cells holds (FORMAT.md 13.5).
+struct MixedFrame {
+  std::string body;
+  Bytes counts;
+};
+MixedFrame mixed_frame(std::span<const uint8_t> frame);
+Bytes forge(const MixedFrame& parts);
+// The same frame as programs before version 3.2 wrote it (FORMAT.md 13.2).
+Bytes old_mixed_frame(const MixedCells& cells);
 
 }  // namespace teracell::testing

@@ -42,7 +42,8 @@ Bytes ChunkEncoder::encode(const RayBlock&, const SetTable&) { return {}; }
 
 // Without what verify() calls.
 const ChannelKind kLabelsKind = {kLabels, kRuns, nullptr};
-const ChannelKind kFractionsKind = {kFractions, kShares, nullptr, [](const Channel& channel) { subdivision_of(channel); }};
+const ChannelKind kFractionsKind = {kFractions, kStretches, nullptr, [](const Channel& channel) { subdivision_of(channel); }};
+const ChannelKind kOldFractionsKind = {kFractions, kShares, nullptr, [](const Channel& channel) { subdivision_of(channel); }};
 const ChannelKind kLinksKind = {kLinks, kDistances, nullptr};
 
 }  // namespace teracell::store

@@ -2,6 +2,7 @@
 #include "store/channels/mixed_cells.hpp"
 
 #include "store/format/format.hpp"
+#include "tests/support/forged.hpp"
 #include "tests/support/test.hpp"
 
 namespace teracell {
@@ -52,18 +53,20 @@ std::vector<std::vector<uint32_t>> seen(const MixedCells& cells) {
   return out;
 }
 
-MixedCells decoded_mixed(std::span<const uint8_t> frame, const MixedShape& s) {
+using Decode = decltype(decode_mixed_cells)*;
+
+MixedCells decoded_mixed(std::span<const uint8_t> frame, const MixedShape& s, Decode decode = decode_mixed_cells) {
   MixedCells out;
-  decode_mixed_cells(frame, s.nu, s.nv, s.length, s.labels, s.total, out);
+  decode(frame, s.nu, s.nv, s.length, s.labels, s.total, out);
   return out;
 }
 
 // A FormatError, or cells that keep every promise of mixed_cells.hpp.
-void expect_refused_or_sound_mixed(const Bytes& bytes, const MixedShape& s) {
+void expect_refused_or_sound_mixed(const Bytes& bytes, const MixedShape& s, Decode decode = decode_mixed_cells) {
   const Bytes exact(bytes.begin(), bytes.end());  // its own piece of the heap, so that ASan sees one byte too far
   MixedCells cells;
   try {
-    decode_mixed_cells(exact, s.nu, s.nv, s.length, s.labels, s.total, cells);
+    decode(exact, s.nu, s.nv, s.length, s.labels, s.total, cells);
   } catch (const FormatError&) {
     return;
   }
@@ -83,8 +86,9 @@ void expect_refused_or_sound_mixed(const Bytes& bytes, const MixedShape& s) {
 
 TEST_CASE("Mixed cells come back from their bytes", "[fractions]") {
   std::mt19937_64 random(3);
-  for (const MixedShape& s : {MixedShape{4, 4, 50, 2, 2}, MixedShape{7, 3, 200, 5, 64}, MixedShape{8, 8, 90, 3, 256},
-                              MixedShape{2, 9, 70, 70000, 512}, MixedShape{3, 2, 40, 4, 65536}})
+  for (const MixedShape& s :
+       {MixedShape{4, 4, 50, 2, 2}, MixedShape{7, 3, 200, 5, 64}, MixedShape{8, 8, 90, 3, 256}, MixedShape{2, 9, 70, 70000, 512},
+        MixedShape{3, 2, 40, 4, 65536}, MixedShape{5, 5, 60, 3, 1}, MixedShape{1, 3, 100000, 2, 1024}})
     for (int i = 0; i < 10; ++i) {
       const MixedCells cells = random_mixed_cells(random, {s.nu, s.nv, s.length, std::min(s.labels, 6u), s.total});
       if (cells.empty()) continue;
@@ -92,6 +96,7 @@ TEST_CASE("Mixed cells come back from their bytes", "[fractions]") {
       const MixedCells back = decoded_mixed(frame, s);
       REQUIRE(seen(back) == seen(cells));
       REQUIRE(MixedCellsEncoder().encode(back) == frame);
+      REQUIRE(seen(decoded_mixed(old_mixed_frame(cells), s, decode_shares)) == seen(cells));
     }
 }
 
@@ -111,6 +116,43 @@ TEST_CASE("Equal shares in neighbouring cells are one run, and a cut keeps what 
 
 TEST_CASE("Bytes that are no mixed cells are refused", "[fractions]") {
   const MixedShape s{2, 1, 8, 3, 4};
+  const auto frame_of = [](const std::vector<uint64_t>& numbers, const Bytes& counts) {
+    Bytes body;
+    for (const uint64_t n : numbers) put_varint(body, n);
+    return forge(MixedFrame{{body.begin(), body.end()}, counts});
+  };
+  const auto refused = [&](const std::vector<uint64_t>& numbers, const Bytes& counts, const std::string& words) {
+    INFO(words);
+    REQUIRE_THROWS_WITH(decoded_mixed(frame_of(numbers, counts), s), Catch::Contains(words));
+  };
+  // One set {0, 1}; a stretch in each ray: cells 3 and 4 with 2 + 2, then cell 1 with 3 + 1 and cell 2 with 1 + 3. Counts have two bits.
+  const std::vector<uint64_t> sound = {1, 2, 0, 0, 1, 1, 6, 3, 0, 1, 1, 0, 0};
+  REQUIRE(seen(decoded_mixed(frame_of(sound, {0b001001}), s)) ==
+          std::vector<std::vector<uint32_t>>{{0, 3, 5, 0, 1, 2, 2}, {1, 1, 2, 0, 1, 3, 1}, {1, 2, 3, 0, 1, 1, 3}});
+  refused({2, 2, 0, 0, 2, 0, 0, 1, 1, 6, 3, 0, 1, 1, 0, 0, 0, 0, 0}, {0b001001}, "occurs twice");
+  refused({1, 2, 0, 5, 1, 1, 6, 3, 0, 1, 1, 0, 0}, {0b001001}, "label");
+  refused({1, 2, 0, 0, 0, 0, 0}, {}, "no mixed cell");
+  refused({1, 2, 0, 0, 1, 9, 6, 3, 0, 1, 1, 0, 0}, {0b001001}, "stretches of a ray");
+  refused({1, 2, 0, 0, 1, 1, 6, 3, 0, 1, 1, 0, 4}, {0b001001}, "beyond its ray");
+  refused({1, 2, 0, 0, 1, 1, 5, 3, 0, 1, 1, 0, 0}, {0b001001}, "beyond its ray");      // it begins below 0
+  refused({1, 2, 0, 0, 2, 0, 6, 2, 0, 1, 1, 0, 0}, {0b001001}, "one before it ends");  // at cell 1, behind cells 3 and 4
+  refused({1, 2, 0, 0, 2, 0, 6, 10, 0, 1, 1, 0, 0}, {0b001001}, "one before it ends");  // at cell 5, where they end
+  refused({1, 2, 0, 0, 1, 1, 6, 3, 0, 1, 1, 3, 0}, {0b001001}, "beyond the last one");
+  refused({1, 2, 0, 0, 1, 1, 6, 3, 0, 7, 0}, {0b001001}, "there are 9 runs, but at most 4");
+  refused({1, 1, 0, 1, 1, 6, 3, 0, 1, 0}, {}, "there are 3 runs, but at most 2");  // of one label, so two runs side by side are alike
+  refused(sound, {0b001011}, "more than the whole");
+  refused(sound, {0b1001001}, "behind the last count");
+  refused(sound, {0b001001, 0}, "found 2 bytes");
+  refused(sound, {}, "at most 0");
+  refused({1, 2, 0, 0, 1, 1, 6, 3, 0, 1, 1, 0, 0, 9}, {0b001001}, "expected the end");
+  Bytes other = frame_of(sound, {0b001001});
+  other[4] = 1;
+  REQUIRE_THROWS_WITH(decoded_mixed(other, s), Catch::Contains("skippable frame"));
+  REQUIRE_THROWS_WITH(decoded_mixed(old_mixed_frame(decoded_mixed(frame_of(sound, {0b001001}), s)), s), Catch::Contains("skippable frame"));
+}
+
+TEST_CASE("Bytes that are no mixed cells as old files have them are refused", "[fractions]") {
+  const MixedShape s{2, 1, 8, 3, 4};
   const auto frame_of = [](const std::vector<uint64_t>& numbers) {
     Bytes body;
     for (const uint64_t n : numbers) put_varint(body, n);
@@ -118,10 +160,10 @@ TEST_CASE("Bytes that are no mixed cells are refused", "[fractions]") {
   };
   // One set {0, 1}; a run in each ray: cells 3 and 4 with 2 + 2, then cell 1 with 3 + 1.
   const std::vector<uint64_t> sound = {1, 2, 0, 0, 1, 1, 6, 3, 1, 0, 1, 2};
-  REQUIRE(seen(decoded_mixed(frame_of(sound), s)) == std::vector<std::vector<uint32_t>>{{0, 3, 5, 0, 1, 2, 2}, {1, 1, 2, 0, 1, 3, 1}});
+  REQUIRE(seen(decoded_mixed(frame_of(sound), s, decode_shares)) == std::vector<std::vector<uint32_t>>{{0, 3, 5, 0, 1, 2, 2}, {1, 1, 2, 0, 1, 3, 1}});
   const auto refused = [&](std::vector<uint64_t> numbers, const std::string& words) {
     INFO(words);
-    REQUIRE_THROWS_WITH(decoded_mixed(frame_of(numbers), s), Catch::Contains(words));
+    REQUIRE_THROWS_WITH(decoded_mixed(frame_of(numbers), s, decode_shares), Catch::Contains(words));
   };
   refused({2, 2, 0, 0, 2, 0, 0, 1, 1, 6, 3, 1, 0, 0, 0, 1, 2}, "occurs twice");
   refused({1, 2, 0, 5, 1, 1, 6, 3, 1, 0, 1, 2}, "label");
@@ -137,14 +179,21 @@ TEST_CASE("Mixed cells cut at any byte are refused, and changed ones are refused
   std::mt19937_64 random(7);
   const MixedShape s{6, 5, 60, 4, 512};
   const MixedCells cells = random_mixed_cells(random, s);
-  const Bytes frame = MixedCellsEncoder().encode(cells);
+  const Bytes frame = MixedCellsEncoder().encode(cells), old = old_mixed_frame(cells);
   for (size_t size = 0; size < frame.size(); ++size) REQUIRE_THROWS_AS(decoded_mixed(std::span(frame).first(size), s), FormatError);
-  const std::string body = decode_text(frame, "body");
-  for (size_t i = 0; i < rounds(4000); ++i) {
-    std::string changed = body;
+  for (size_t size = 0; size < old.size(); ++size) REQUIRE_THROWS_AS(decoded_mixed(std::span(old).first(size), s, decode_shares), FormatError);
+  const auto change = [&](auto& bytes) {
     for (int n = random_int(random, 1, 3); n > 0; --n)
-      changed[static_cast<size_t>(random_int(random, 0, static_cast<int>(body.size()) - 1))] = static_cast<char>(random_int(random, 0, 255));
-    expect_refused_or_sound_mixed(encode_text(changed), s);
+      bytes[static_cast<size_t>(random_int(random, 0, static_cast<int>(bytes.size()) - 1))] = static_cast<uint8_t>(random_int(random, 0, 255));
+  };
+  for (size_t i = 0; i < rounds(4000); ++i) {
+    MixedFrame changed = mixed_frame(frame);
+    if (i % 4 == 0) change(changed.counts);
+    else change(changed.body);
+    expect_refused_or_sound_mixed(forge(changed), s);
+    std::string changed_old = decode_text(old, "mixed cells");
+    change(changed_old);
+    expect_refused_or_sound_mixed(encode_text(changed_old), s, decode_shares);
   }
 }
 

@@ -92,10 +92,12 @@ TEST_CASE("Fractions without valid numbers of sub-samples are refused when the f
           {{"name", "fractions"}, {"required", false}, {"coding", coding}, {"about", about}, {"cover", {{"offset", 9}, {"frames", 10}}}});
     });
   };
-  CHECK_NOTHROW(decode_metadata(with("shares", {{"samples", {4, 4, 64}}})));
   CHECK_NOTHROW(decode_metadata(with("other", {{"samples", {3}}})));
-  for (const ordered_json& about : {ordered_json::object(), ordered_json{{"samples", {4, 4}}}, ordered_json{{"samples", {4, 4, 3}}}})
-    CHECK_THROWS_WITH(decode_metadata(with("shares", about)), Catch::Contains("channel 'fractions'"));
+  for (const char* coding : {"stretches", "shares"}) {
+    CHECK_NOTHROW(decode_metadata(with(coding, {{"samples", {4, 4, 64}}})));
+    for (const ordered_json& about : {ordered_json::object(), ordered_json{{"samples", {4, 4}}}, ordered_json{{"samples", {4, 4, 3}}}})
+      CHECK_THROWS_WITH(decode_metadata(with(coding, about)), Catch::Contains("channel 'fractions'"));
+  }
 }
 
 TEST_CASE("Of two successive levels one must be stored: a reader would derive the rest from the whole grid") {

@@ -24,7 +24,7 @@ TEST_CASE("A reader tells what the file holds") {
 }
 
 TEST_CASE("A file of a newer minor version is read, and the version told is its own") {
-  REQUIRE(reader_of(chunked_file()).version() == "3.1");
+  REQUIRE(reader_of(chunked_file()).version() == "3.2");
   const Bytes newer = forge(chunked_file(), {.bytes = [](FilePart part, Bytes& body) {
                               if (part == FilePart::kHeader) body[18] = 7;
                             }});

@@ -40,7 +40,7 @@ TEST_CASE("Of a file are told its grid, materials, levels, chunks and report") {
   REQUIRE((bytes > 0 && bytes < reader.file_bytes()));
   REQUIRE(j["chunk"] == ordered_json{{"rays", 4}, {"cells", 4}});
   REQUIRE(j["file"] ==
-          ordered_json{{"bytes", reader.file_bytes()}, {"version", "3.1"}, {"hash", reader.hash()}, {"labels_hash", reader.meta().labels_hash}});
+          ordered_json{{"bytes", reader.file_bytes()}, {"version", "3.2"}, {"hash", reader.hash()}, {"labels_hash", reader.meta().labels_hash}});
   REQUIRE(j["crossings"] == 1234);
   REQUIRE(j["bits_per_crossing"] == 8 * j["levels"][0]["bytes"].get<double>() / 1234);
   REQUIRE(j["report"] == ordered_json{{"schema", 1}});

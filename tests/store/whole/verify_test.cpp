@@ -250,16 +250,41 @@ TEST_CASE("Links that are not where labels change are reported by verify", "[lin
   expect_verify_refuses(with_links(plain, {sound.nu, sound.nv, sound.length, {}}), "has no frame");
 }
 
+TEST_CASE("Fractions of files before version 3.2 are read and verified, and damage to them is found", "[fractions]") {
+  const TempFolder folder;
+  const mesher::Scene scene = scene_of(folder, {{shapes::sphere({4, 4, 4}, 3.2, 2)}}, cube_grid_of(0, 1, 9));
+  mesher::MeshOptions options;
+  mesh_quietly(scene, folder / "plain.tcell", options);
+  options.fractions = Subdivision{2, 4, 8};
+  mesh_quietly(scene, folder / "new.tcell", options);
+  const GridReader reader(folder / "new.tcell");
+  const FractionReader fractions(reader);
+  const MixedCells cells = *fractions.chunk({0, 0, 0, 0});
+  const auto with_frame = [&](const Bytes& frame) {
+    CellFrames frames(reader.meta());
+    std::vector<Bytes> all = {frame};
+    if (const auto page = frames.put({0, 0, 0, 0}, 0, 1); !page->empty()) all.push_back(*page);
+    for (const Bytes& list : frames.lists()) all.push_back(list);
+    return forge(file_bytes(folder / "plain.tcell"), {.channels = {{kFractions, all, kShares, fractions_channel(*options.fractions).about}}});
+  };
+  const GridReader old = reader_of(with_frame(old_mixed_frame(cells)));
+  REQUIRE_NOTHROW(verify_quietly(old));
+  const MixedCells back = *FractionReader(old).chunk({0, 0, 0, 0});
+  REQUIRE(back.begin == cells.begin);
+  REQUIRE(back.counts == cells.counts);
+  expect_verify_refuses(with_frame(MixedCellsEncoder().encode(cells)), "(FORMAT.md 13.2)");  // of the newer coding
+}
+
 TEST_CASE("Frames that are named twice, and bytes that are counted wrong, are reported by verify", "[fractions]") {
   const TempFolder folder;
   mesh_quietly(scene_of(folder, {{shapes::sphere({4, 4, 4}, 3.2, 1)}}, cube_grid_of(0, 1, 9)), folder / "plain.tcell", {});
   const Bytes plain = file_bytes(folder / "plain.tcell");
   const std::string about = fractions_channel({1, 1, 1}).about;
   const Bytes list = encode_cell_list(std::vector<uint64_t>{0}), page = encode_cell_page({kNoFrame}, 0);
-  expect_verify_refuses(forge(plain, {.channels = {{kFractions, {page, page, list}, kShares, about}}}), "but its pages name 2");
-  expect_verify_refuses(forge(plain, {.channels = {{kFractions, {encode_cell_list(std::vector<uint64_t>{0})}, kShares, about}}}), "named twice");
+  expect_verify_refuses(forge(plain, {.channels = {{kFractions, {page, page, list}, kStretches, about}}}), "but its pages name 2");
+  expect_verify_refuses(forge(plain, {.channels = {{kFractions, {encode_cell_list(std::vector<uint64_t>{0})}, kStretches, about}}}), "named twice");
   expect_verify_refuses(
-      forge(plain, {.metadata = [](Metadata& m) { m.channels[1].bytes = 7; }, .channels = {{kFractions, {page, list}, kShares, about}}}),
+      forge(plain, {.metadata = [](Metadata& m) { m.channels[1].bytes = 7; }, .channels = {{kFractions, {page, list}, kStretches, about}}}),
       "counts 7 bytes");
 }
 

@@ -196,7 +196,7 @@ export class Viewer {
   }
   // Whether the file tells what mixed cells are made of.
   get has_shares(): boolean {
-    return this.info.channels.some(({ name, coding }) => name === "fractions" && coding === "shares");
+    return this.info.channels.some(({ name, coding }) => name === "fractions" && (coding === "stretches" || coding === "shares"));
   }
   // What each label fills, once it is known; what bodies fill is with what lies in others as well.
   get amounts(): readonly Amount[] | null {
