@@ -447,7 +447,7 @@ bool FractionCounter::count_two_labels(uint32_t u, const Box& cells, std::span<c
         for (size_t n = first; n < std::min(last, at.size()); ++n) changes.push_back(at[n] << 1 | (of_ray[n + 1] != 0));
       }
   };
-  if (constexpr size_t kMostInserted = 64; all <= kMostInserted) {
+  if (constexpr size_t kMostInserted = 256; all <= kMostInserted) {
     for (size_t n = 0; n < most; ++n) add_changes(n, n + 1);  // nearly in their order
     insertion_sort(changes);
   } else {
