@@ -11,7 +11,7 @@ FractionReader::FractionReader(const GridReader& reader, std::shared_ptr<Fractio
     : reader_(reader),
       chunks_(reader, find_fractions(reader.meta()), kFractions, std::move(cache),
               [this](const ChunkKey& key, const Bytes* frame, MixedCells& out) {
-                if (frame) return decode_fractions(reader_.meta(), key, samples_, *frame, out);
+                if (frame) return decode_fractions(reader_.meta(), *find_fractions(reader_.meta()), key, samples_, *frame, out);
                 const LevelShape s = reader_.shape(0);
                 out.reset(s.rays_u(key.cu), s.rays_v(key.cv), s.length(key.segment), sub_samples(samples_));
                 out.begin.resize(size_t{out.nu} * out.nv + 1);

@@ -33,9 +33,10 @@ const Channel* find_fractions(const Metadata& meta) {
   return found == meta.others().end() ? nullptr : &*found;
 }
 
-void decode_fractions(const Metadata& meta, const ChunkKey& key, const Subdivision& samples, std::span<const uint8_t> frame, MixedCells& out) {
+void decode_fractions(const Metadata& meta, const Channel& channel, const ChunkKey& key, const Subdivision& samples, std::span<const uint8_t> frame,
+                      MixedCells& out) {
   const LevelShape s(meta, 0);
-  const auto decode = find_fractions(meta)->coding == kShares ? decode_shares : decode_mixed_cells;
+  const auto decode = channel.coding == kShares ? decode_shares : decode_mixed_cells;
   decode(frame, s.rays_u(key.cu), s.rays_v(key.cv), s.length(key.segment), static_cast<uint32_t>(meta.labels.size()), sub_samples(samples), out);
 }
 

@@ -9,7 +9,8 @@ Channel fractions_channel(const Subdivision& samples);
 Subdivision subdivision_of(const Channel& channel);
 // The channel of a grid; null if it has none.
 const Channel* find_fractions(const Metadata& meta);
-// Decodes the frame of a chunk.
-void decode_fractions(const Metadata& meta, const ChunkKey& key, const Subdivision& samples, std::span<const uint8_t> frame, MixedCells& out);
+// Decodes the frame of a chunk of the channel.
+void decode_fractions(const Metadata& meta, const Channel& channel, const ChunkKey& key, const Subdivision& samples, std::span<const uint8_t> frame,
+                      MixedCells& out);
 
 }  // namespace teracell::store

@@ -24,7 +24,7 @@ void check_fractions(const GridReader& reader, const Channel& channel, const std
   Chunk chunk;
   check_cell_frames(reader.meta(), channel, frame, [&](const ChunkKey& key, const Bytes* bytes) {
     if (!bytes) return;
-    decode_fractions(reader.meta(), key, samples, *bytes, cells);
+    decode_fractions(reader.meta(), channel, key, samples, *bytes, cells);
     reader.read(key, chunk);
     expect_mixed(chunk.rays, cells);
   });

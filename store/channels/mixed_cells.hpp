@@ -24,7 +24,7 @@ struct MixedCells {
   struct Run {
     uint32_t from, to, set, first;
   };
-  uint32_t nu = 0, nv = 0, length = 0, total = 1;  // total: sub-samples of a cell
+  uint32_t nu = 0, nv = 0, length = 0, total = 1;  // total: sub-samples of a cell, a power of two
   std::vector<uint32_t> begin{0};                  // rays + 1: where a ray's runs start
   std::vector<Run> runs;                           // ascending within a ray, without overlap
   SequenceTable sets;                              // labels, ascending

@@ -1,31 +1,13 @@
 // The coding `shares`, in which files up to version 3.1 have their fractions.
-#include <fmt/format.h>
-
-#include "store/base/zstd_frame.hpp"
-#include "store/channels/mixed_cells.hpp"
-#include "store/runs/chunk_codec.hpp"
+#include "store/channels/mixed_bodies.hpp"
 
 namespace teracell::inline store {
-namespace {
-
-constexpr BodyBound kSharesBound{kMaxChunkBytes / 4, kChunkBytesOfAnyFrame};  // runs and counts in memory have more bytes than in a body
-
-int32_t step_of(uint32_t v) { return static_cast<int32_t>(v >> 1) ^ -static_cast<int32_t>(v & 1); }
-
-}  // namespace
 
 void decode_shares(std::span<const uint8_t> frame, uint32_t nu, uint32_t nv, uint32_t length, uint32_t labels, uint32_t total, MixedCells& out) {
-  if (uint64_t{nu} * nv > kMaxChunkRays)
-    throw FormatError(fmt::format("a chunk of {} x {} rays is larger than a file may have (FORMAT.md 7.6)", nu, nv));
-  thread_local ZstdDecoder zstd;
-  thread_local Bytes body;
-  zstd.decode(frame, kSharesBound, "mixed cells", body);
-  ByteReader in(body, "mixed cells", "13.2");
+  ByteReader in(mixed_body(frame, nu, nv), "mixed cells", "13.2");
   out.reset(nu, nv, length, total);
-  const uint64_t sets = in.varint(1, in.remaining(), "sets");
-  for (uint64_t i = 0; i < sets; ++i)
-    if (out.sets.intern(take_set(in, labels, labels)) != i) in.fail("a set occurs twice");
-
+  take_sets(in, labels, out);
+  const size_t sets = out.sets.size();
   uint64_t runs = 0;
   for (uint32_t ray = 0; ray < nu * nv; ++ray) {
     runs += in.varint(0, in.remaining(), "runs of a ray");
@@ -55,27 +37,16 @@ void decode_shares(std::span<const uint8_t> frame, uint32_t nu, uint32_t nv, uin
     for (uint32_t i = out.begin[ray]; i < out.begin[ray + 1]; ++i) {
       MixedCells::Run& run = out.runs[i];
       const bool leads = i == out.begin[ray];
-      const uint64_t from = leads ? uint64_t{first + static_cast<uint32_t>(step_of(run.from))} : end + run.from;
+      const uint64_t from = leads ? uint64_t{first + static_cast<uint32_t>(from_zigzag(run.from))} : end + run.from;
       end = from + run.to;
       if (end > length) in.fail("a run of mixed cells ends beyond its ray");
       run.from = static_cast<uint32_t>(from), run.to = static_cast<uint32_t>(end);
       if (leads) first = run.from;
     }
   }
-  in.clause("13.4");
   out.counts.resize(counts);
-  size_t next = 0;
-  for (const MixedCells::Run& run : out.runs) {
-    const size_t n = out.sets[run.set].size();
-    uint32_t left = total;
-    for (size_t i = 0; i + 1 < n; ++i, ++next) {
-      const uint32_t count = (low[next] | (high.empty() ? 0u : uint32_t{high[next]} << 8)) + 1;
-      if (count >= left) in.fail("the shares of a cell are more than the whole");
-      out.counts[run.first + i] = count;
-      left -= count;
-    }
-    out.counts[run.first + n - 1] = left;
-  }
+  fill_counts(
+      in, [&](size_t i) { return low[i] | (high.empty() ? 0u : uint32_t{high[i]} << 8); }, out);
 }
 
 }  // namespace teracell::store

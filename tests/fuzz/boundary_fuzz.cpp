@@ -39,7 +39,7 @@ Bytes honest_links(const LevelShape& s, const ChunkKey& key) {
   return LinksEncoder().encode(out);
 }
 
-Bytes honest_fractions(const LevelShape& s, const ChunkKey& key) {
+MixedCells honest_cells(const LevelShape& s, const ChunkKey& key) {
   MixedCells out;
   out.reset(s.rays_u(key.cu), s.rays_v(key.cv), s.length(key.segment), sub_samples(kSamples));
   const uint32_t two[] = {0, 2}, all[] = {0, 1, 2}, halves[] = {512, 512}, thirds[] = {300, 300, 424};
@@ -48,8 +48,10 @@ Bytes honest_fractions(const LevelShape& s, const ChunkKey& key) {
     if (out.length > 1) out.add(1, out.length, all, thirds);
     out.end_ray();
   }
-  return MixedCellsEncoder().encode(out);
+  return out;
 }
+Bytes honest_fractions(const LevelShape& s, const ChunkKey& key) { return MixedCellsEncoder().encode(honest_cells(s, key)); }
+Bytes honest_shares(const LevelShape& s, const ChunkKey& key) { return old_mixed_frame(honest_cells(s, key)); }
 
 class Hand {
  public:
@@ -57,7 +59,9 @@ class Hand {
 
   Bytes forged_file() {
     ForgedChannel links{kLinks, frames_of(honest_links), kDistances};
-    ForgedChannel fractions{kFractions, frames_of(honest_fractions), kStretches, fractions_channel(kSamples).about};
+    const bool old = here();
+    ForgedChannel fractions{kFractions, frames_of(old ? honest_shares : honest_fractions), old ? kShares : kStretches,
+                            fractions_channel(kSamples).about};
     if (here()) fractions.about = fmt::format(R"({{"samples":[{},{},{}]}})", in_.ConsumeIntegral<int16_t>(), below(300), below(300));
     return forge(sound().file, {.channels = {links, fractions}});
   }

@@ -133,6 +133,7 @@ TEST_CASE("Bytes that are no mixed cells are refused", "[fractions]") {
   refused({1, 2, 0, 5, 1, 1, 6, 3, 0, 1, 1, 0, 0}, {0b001001}, "label");
   refused({1, 2, 0, 0, 0, 0, 0}, {}, "no mixed cell");
   refused({1, 2, 0, 0, 1, 9, 6, 3, 0, 1, 1, 0, 0}, {0b001001}, "stretches of a ray");
+  refused({1, 2, 0, 0, 2, 2, 6, 3, 0, 1, 1, 0, 0}, {0b001001}, "4 stretches, more than bytes");
   refused({1, 2, 0, 0, 1, 1, 6, 3, 0, 1, 1, 0, 4}, {0b001001}, "beyond its ray");
   refused({1, 2, 0, 0, 1, 1, 5, 3, 0, 1, 1, 0, 0}, {0b001001}, "beyond its ray");      // it begins below 0
   refused({1, 2, 0, 0, 2, 0, 6, 2, 0, 1, 1, 0, 0}, {0b001001}, "one before it ends");  // at cell 1, behind cells 3 and 4

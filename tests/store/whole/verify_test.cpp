@@ -260,19 +260,23 @@ TEST_CASE("Fractions of files before version 3.2 are read and verified, and dama
   const GridReader reader(folder / "new.tcell");
   const FractionReader fractions(reader);
   const MixedCells cells = *fractions.chunk({0, 0, 0, 0});
-  const auto with_frame = [&](const Bytes& frame) {
+  const auto channel = [&](const Bytes& frame, const char* coding) {
     CellFrames frames(reader.meta());
     std::vector<Bytes> all = {frame};
     if (const auto page = frames.put({0, 0, 0, 0}, 0, 1); !page->empty()) all.push_back(*page);
     for (const Bytes& list : frames.lists()) all.push_back(list);
-    return forge(file_bytes(folder / "plain.tcell"), {.channels = {{kFractions, all, kShares, fractions_channel(*options.fractions).about}}});
+    return ForgedChannel{kFractions, all, coding, fractions_channel(*options.fractions).about};
   };
-  const GridReader old = reader_of(with_frame(old_mixed_frame(cells)));
+  const auto with = [&](const std::vector<ForgedChannel>& channels) { return forge(file_bytes(folder / "plain.tcell"), {.channels = channels}); };
+  const ForgedChannel of_old = channel(old_mixed_frame(cells), kShares), of_new = channel(MixedCellsEncoder().encode(cells), kStretches);
+  const GridReader old = reader_of(with({of_old}));
   REQUIRE_NOTHROW(verify_quietly(old));
+  for (const auto& both : {std::vector{of_old, of_new}, std::vector{of_new, of_old}}) REQUIRE_NOTHROW(verify_quietly(reader_of(with(both))));
   const MixedCells back = *FractionReader(old).chunk({0, 0, 0, 0});
   REQUIRE(back.begin == cells.begin);
   REQUIRE(back.counts == cells.counts);
-  expect_verify_refuses(with_frame(MixedCellsEncoder().encode(cells)), "(FORMAT.md 13.2)");  // of the newer coding
+  expect_verify_refuses(with({channel(MixedCellsEncoder().encode(cells), kShares)}), "(FORMAT.md 13.2)");
+  expect_verify_refuses(with({channel(old_mixed_frame(cells), kStretches)}), "(FORMAT.md 13.5)");
 }
 
 TEST_CASE("Frames that are named twice, and bytes that are counted wrong, are reported by verify", "[fractions]") {
