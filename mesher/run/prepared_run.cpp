@@ -31,7 +31,7 @@ PreparedRun::PreparedRun(const Scene& of, const std::filesystem::path& output, c
       output_(output.string()),
       progress_(progress),
       stop_(stop) {
-  system::give_back_memory();
+  system::give_back_memory(budget.unasked());
   bodies = read_scene(scene, options, threads, budget, counts, [this](const char* phase, double share) { this->progress(phase, share); });
   end_phase("read");
   plan = make_plan(scene, bodies, options.axis, options.chunk_rays, options.fractions, options.links);

@@ -23,7 +23,7 @@ Bodies read_scene(const Scene& scene, const MeshOptions& options, int threads, c
                            [&](double share) { progress("read", share); });
   cad.kernels->end();
   complete_flat_faces(scene, budget, out);
-  system::give_back_memory();
+  system::give_back_memory(budget.unasked());
   return out;
 }
 

@@ -79,8 +79,7 @@ Tiling& TiledFacets::tile(const TreeRange& range, bool count, bool again) {
   }
   // What counts facets needs all of them.
   auto bins = fill_bins(count ? TreeRange() : range, again);
-  if (bins->in_memory()) held_ = std::max(held_, bins->bytes());
-  else spilled_ += bins->bytes();
+  if (!bins->in_memory()) spilled_ += bins->bytes();
   return tiling_.emplace(std::move(bins), count ? &binned_ : nullptr, threads_ > 1 ? std::min(threads_, kMostAhead) : 0, meta_, range);
 }
 

@@ -1,4 +1,4 @@
-// From the bodies' facets to a tiling of facets as the grid sees them: in memory, or by way of bins on disk.
+// From the bodies' facets to a tiling of facets as the grid sees them: in memory, or by way of bins.
 #pragma once
 #include <memory>
 #include <optional>
@@ -22,7 +22,6 @@ class TiledFacets {
   Tiling& tile(const TreeRange& range, bool count, bool again);
   const GridFacets* in_memory() const { return facets_.get(); }  // null when they were spilled
   uint64_t spilled_bytes() const { return spilled_; }  // to disk
-  uint64_t bytes_in_bins() const { return held_; }     // in memory
   // One per body; waits. REQUIRES: every group was taken from the tiling that counts.
   std::vector<SurfaceCounts> counts();
 
@@ -40,7 +39,7 @@ class TiledFacets {
   const Patches* const patches_;
   const std::function<void(double)> progress_;
   std::shared_ptr<GridFacets> facets_;
-  uint64_t spilled_ = 0, held_ = 0;
+  uint64_t spilled_ = 0;
   BinnedCounter binned_;
   std::optional<Tiling> tiling_;  // last: it uses the others
 };

@@ -13,11 +13,6 @@ namespace {
 
 // The mean number of bins that a facet lies in, when facets are small compared with a bin.
 constexpr double kBinsOfAFacet = 1.2;
-// The system would fill up partial pages of a file, which takes a fifth of the time of writing.
-size_t whole_pages(size_t bytes) {
-  constexpr size_t kPage = 4096;
-  return (bytes + kPage - 1) / kPage * kPage;
-}
 // The memory per facet of a loaded bin: its record, its place in the store, and what counting it takes.
 constexpr uint64_t kLoadedBytes = 200;
 // With more memory than this, bins become larger than caches, and some must be split after all: 25.6 million facets took 3 % more
@@ -66,9 +61,8 @@ FacetBins::FacetBins(const Metadata& meta, uint64_t facets, uint64_t whole, bool
       record_bytes_(9 * (float32 ? sizeof(float) : sizeof(double)) + (patches ? 2 : 1) * sizeof(uint32_t)),
       most_facets_(std::max<uint64_t>(std::min(budget.bytes, kMostUseful) / 16 / kLoadedBytes, 1024)),
       move_(std::move(move)),
-      file_(budget.folder, expected_bytes(whole, record_bytes_), expected_bytes(facets, record_bytes_) <= budget.bytes / 2),
-      root_{.place = rays_.root()},
-      writer_(own_writer) {
+      log_(budget, expected_bytes(whole, record_bytes_), expected_bytes(facets, record_bytes_) <= budget.bytes / 2, own_writer),
+      root_{.place = rays_.root()} {
   // Starts with as many bins as are likely to be needed, if their buffers fit: what a bin has when it is split is written twice. Parts of groups
   // are opened when a group has become too large.
   const uint64_t memory = std::min(budget.bytes, kMostUseful);
@@ -85,7 +79,9 @@ FacetBins::FacetBins(const Metadata& meta, uint64_t facets, uint64_t whole, bool
     for (uint32_t cu = 0; cu < first_u_; ++cu) first_bins_.push_back(const_cast<Bin*>(&bin_at({first_, cu, cv})));
 }
 
-size_t FacetBins::room_in(uint64_t bytes) const { return std::clamp<uint64_t>(bytes, kLeastBuffer, 1 << 20) / record_bytes_ * record_bytes_; }
+size_t FacetBins::room_in(uint64_t bytes) const {
+  return std::clamp<uint64_t>(bytes, kLeastBuffer, PieceLog::kMostOfPiece) / record_bytes_ * record_bytes_;
+}
 
 // Gives a bin all that lies below it, and in the grid, down to a depth.
 void FacetBins::open(Bin& bin, int depth, size_t room) const {
@@ -208,7 +204,7 @@ void FacetBins::put_here(Bin& bin, const UnitRange& units, std::span<const uint8
     bin.copies += part ? facets : all * bins_met(bin.place, units, below(bin.place.depth));
     bin.copies_next += part ? facets : all * bins_met(bin.place, units, bin.place.depth - 1);
   }
-  if (bin.buffer.empty()) bin.buffer.resize(whole_pages(bin.room));
+  if (bin.buffer.empty()) bin.buffer.resize(bin.room);
   std::memcpy(bin.buffer.data() + bin.buffered, record.data(), record.size());
   bin.buffered += record.size();
   if (bin.facets > most_facets_ && split_depth(bin) < bin.place.depth && rooms_ + rooms_of(bin.place, split_depth(bin), bin.room) <= most_rooms_)
@@ -241,12 +237,8 @@ uint32_t FacetBins::bins_of(const Bin& bin, const UnitRange& units) const {
 
 void FacetBins::flush(Bin& bin) {
   if (bin.buffered == 0) return;
-  bin.extents.push_back({end_, bin.buffered, checksum(std::span(bin.buffer).first(bin.buffered))});
-  bin.buffer.resize(whole_pages(bin.buffered));
+  bin.pieces.push_back(log_.add(std::span(bin.buffer).first(bin.buffered)));
   bin.buffered = 0;
-  end_ += bin.buffer.size();
-  writer_.run([this, offset = bin.extents.back().offset, bytes = std::move(bin.buffer)] { file_.write(offset, bytes); });
-  bin.buffer = {};
 }
 
 int FacetBins::below(int depth) const { return std::min(depth - 1, fine_); }
@@ -274,8 +266,8 @@ size_t FacetBins::room_of(const TreePlace& place, int depth, size_t room) const 
 uint64_t FacetBins::rooms_of(const TreePlace& place, int depth, size_t room) const { return bins_below(place, depth) * room_of(place, depth, room); }
 
 void FacetBins::split(Bin& bin) {
-  flush(bin);
-  writer_.finish();
+  flush_all(bin);
+  log_.finish();
   Bin whole = std::move(bin);
   bin = {.place = whole.place};
   const int depth = split_depth(whole);
@@ -288,7 +280,7 @@ void FacetBins::split(Bin& bin) {
 void FacetBins::finish() {
   flush_all(root_);
   split_large(root_);
-  writer_.finish();
+  log_.finish();
 }
 
 // Splits what was left whole because all its buffers would have taken too much memory, one bin after another.
@@ -303,6 +295,7 @@ void FacetBins::split_large(Bin& bin) {
 
 void FacetBins::flush_all(Bin& bin) {
   flush(bin);
+  bin.buffer = std::vector<uint8_t>();  // = {} would keep the memory
   for (Bin& child : bin.children) flush_all(child);
 }
 
@@ -363,15 +356,12 @@ void FacetBins::take(const TreePlace& place, const std::function<void(const Binn
 
 template <class F>
 void FacetBins::take_records(Bin& bin, F&& f) {
-  std::vector<uint8_t> bytes;
-  for (const Extent& e : bin.extents) {
-    bytes.resize(e.bytes);
-    file_.read(e.offset, bytes);
-    if (checksum(bytes) != e.checksum)
-      throw IoError(fmt::format("a temporary file is damaged: the {} bytes at {} are not those that were written", e.bytes, e.offset));
-    for (size_t at = 0; at < bytes.size(); at += record_bytes_) f(std::span<const uint8_t>(bytes.data() + at, record_bytes_));
+  std::vector<uint8_t> room;
+  for (const PieceLog::Piece& piece : bin.pieces) {
+    const std::span<const uint8_t> bytes = log_.read(piece, room);
+    for (size_t at = 0; at < bytes.size(); at += record_bytes_) f(bytes.subspan(at, record_bytes_));
   }
-  bin.extents = {};
+  bin.pieces = std::vector<PieceLog::Piece>();
 }
 
 uint32_t FacetBins::tag_in(std::span<const uint8_t> record) const {

@@ -1,27 +1,26 @@
-// Facets that don't fit into memory lie on disk in bins. A bin is a node of the tree of rays with so few facets that it can be
-// loaded: one group of tiles or many, or, of a group with very many facets that are small compared with it, a part. A facet
-// lies in every bin that has a ray that it may meet, and in the bins of its vertices. So facets that share a vertex share a bin,
-// and two bins are connected by the facets that lie in both.
+// Facets that are too many to be looked at together lie in bins, on disk or in memory. A bin is a node of the tree of rays with so few facets that it
+// can be loaded: one group of tiles or many, or, of a group with very many facets that are small compared with it, a part. A facet lies in every bin
+// that has a ray that it may meet, and in the bins of its vertices. So facets that share a vertex share a bin, and two bins are connected by the
+// facets that lie in both.
 //
 // A part of which there are many copies lies in bins as one record, and its facets are read from their shape when a bin is loaded.
 #pragma once
 #include <functional>
 #include <vector>
 
+#include "mesher/tiles/piece_log.hpp"
 #include "mesher/tiles/rays.hpp"
-#include "store/base/background.hpp"
-#include "store/base/spill.hpp"
 
 namespace teracell::mesher {
 
 // A facet of a bin.
 struct BinnedFacet {
-  Facet facet;     // in its file's coordinates
+  Facet facet;  // in its file's coordinates
   uint32_t layer;  // of its body (closing.hpp)
-  bool at_home;    // true in exactly one of the bins that it lies in
-  uint32_t bins;   // that it lies in; where it is not at home, 2 stands for several
-  bool added;      // it closes a hole and is not in the body's file
-  bool ignored;    // it counts for nothing
+  bool at_home;  // true in exactly one of the bins that it lies in
+  uint32_t bins;  // that it lies in; where it is not at home, 2 stands for several
+  bool added;  // it closes a hole and is not in the body's file
+  bool ignored;  // it counts for nothing
   uint32_t patch;  // as in SceneFacet; 0 if they are not kept
   bool leads = true;  // in exactly one of those bins of a tile group in which the facet lies
 };
@@ -39,8 +38,8 @@ class FacetBins {
  public:
   using Move = std::function<Facet(const Facet&, uint32_t layer)>;
   // For about `facets` facets, `whole` of them surely not in parts, in single precision if `float32`. `move` transforms a facet to where the grid
-  // sees it; none: all are there. A loaded bin takes about a sixteenth of the budget, and all buffers together an eighth at most while bins are
-  // filled. With `own_writer` another thread writes to the disk. If all fits into half of the budget, it stays in memory. `widened` bodies as in
+  // sees it; none: all are there. A loaded bin takes about a sixteenth of the budget, and all buffers of bins together an eighth at most while they
+  // are filled. With `own_writer` another thread writes to the disk. If all fits into half of the budget, it stays in memory. `widened` bodies as in
   // rays.hpp. Facets that lie outside `range` alone are dropped. `patches`: facets keep theirs.
   FacetBins(const Metadata& meta, uint64_t facets, uint64_t whole, bool float32, const Budget& budget, bool own_writer, Move move,
             std::vector<uint8_t> widened, const TreeRange& range = {}, bool patches = false);
@@ -63,13 +62,10 @@ class FacetBins {
   void for_each_bin(const TreePlace& place, const std::function<void(const TreePlace&)>& f) const;
   // Calls f with each facet of a bin, with the facet as the grid sees it, and with its rays (none if it is ignored). Call once.
   void take(const TreePlace& place, const std::function<void(const BinnedFacet&, const Facet& moved, const RayRange&)>& f);
-  uint64_t bytes() const { return end_; }  // ever written
-  bool in_memory() const { return file_.in_memory(); }
+  uint64_t bytes() const { return log_.bytes(); }  // ever written
+  bool in_memory() const { return log_.in_memory(); }
 
  private:
-  struct Extent {
-    uint64_t offset, bytes, checksum;
-  };
   struct Bin {
     TreePlace place;
     bool wanted = true;  // it lies in the range, at least in part
@@ -79,7 +75,7 @@ class FacetBins {
     size_t room = 0;  // of the buffer, in bytes
     std::vector<uint8_t> buffer;  // the first `buffered` bytes are used
     size_t buffered = 0;
-    std::vector<Extent> extents;
+    std::vector<PieceLog::Piece> pieces;
     std::vector<Bin> children;  // none or kChildren
   };
   const Bin& bin_at(const TreePlace& place) const;
@@ -141,14 +137,12 @@ class FacetBins {
   int fine_;  // the depth at which there are likely to be as many bins as are needed
   uint64_t rooms_, most_rooms_;  // bytes of the buffers of all bins
   const Move move_;
-  SpillFile file_;
-  uint64_t end_ = 0;  // of the file, including what is not written yet
+  PieceLog log_;
   std::vector<BinnedPart> parts_;
   Bin root_;
-  int first_;                      // the depth of the bins that there were first
-  uint32_t first_u_;               // how many of them lie side by side
-  std::vector<Bin*> first_bins_;   // row by row: facets need not go down to them from the root
-  Background writer_;  // the last member, since its thread uses the file
+  int first_;  // the depth of the bins that there were first
+  uint32_t first_u_;  // how many of them lie side by side
+  std::vector<Bin*> first_bins_;  // row by row: facets need not go down to them from the root
 };
 
 }  // namespace teracell::mesher

@@ -6,7 +6,7 @@
 //
 // A tiling may be of a stretch of the tree only: then a grid is made in parts.
 //
-// Facets that don't fit into memory lie in bins on disk. Each bin is a node of the tree (bins.hpp) and is loaded when the walk
+// Facets that are too many for that lie in bins. Each bin is a node of the tree (bins.hpp) and is loaded when the walk
 // reaches it.
 #pragma once
 #include <deque>

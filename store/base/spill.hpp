@@ -1,5 +1,6 @@
 // Disk space for what exceeds the memory budget, and memory that is used like it.
 #pragma once
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <span>
@@ -15,6 +16,9 @@ struct Budget {
   uint64_t bytes = ~uint64_t{0};
   std::filesystem::path folder = ".";  // for temporary files
   bool together = false;               // the facets are needed all at once, even where bins would be faster (kMostTogether in bodies.cpp)
+
+  // What the process may take without giving back what it freed: pages that come anew take longer than what is done in them.
+  uint64_t unasked() const { return std::min(bytes / 4, uint64_t{1} << 26); }
 };
 
 // The folder for temporary files of those who choose none: what TMPDIR says, or /tmp.

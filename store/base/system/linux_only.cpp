@@ -75,9 +75,26 @@ void limit_heaps([[maybe_unused]] int heaps) {
 #endif
 }
 
-void give_back_memory() {
+void make_heap([[maybe_unused]] size_t bytes) {
 #ifdef __GLIBC__
-  ::malloc_trim(0);
+  constexpr size_t kMost = size_t{32} << 20;  // glibc takes no greater threshold
+  bytes = std::min(bytes, kMost - kHugePage);
+  // A freed block goes back to the system only if it is greater than this, and the free end of a heap only if it is.
+  const int threshold = static_cast<int>(bytes + kHugePage);
+  ::mallopt(M_MMAP_THRESHOLD, threshold);
+  ::mallopt(M_TRIM_THRESHOLD, threshold);
+  const auto end = [] { return reinterpret_cast<uintptr_t>(::sbrk(0)); };
+  const uintptr_t first = (end() + kHugePage - 1) / kHugePage * kHugePage;
+  void* volatile block = std::malloc(bytes);  // volatile: else compilers leave it out
+  std::free(block);
+  if (const uintptr_t last = end() / kHugePage * kHugePage; last > first)
+    prefer_huge_pages(reinterpret_cast<void*>(first), last - first);  // NOLINT(performance-no-int-to-ptr)
+#endif
+}
+
+void give_back_memory([[maybe_unused]] uint64_t most) {
+#ifdef __GLIBC__
+  if (resident_bytes() > most) ::malloc_trim(0);
 #endif
 }
 

@@ -42,7 +42,8 @@ uint64_t open_descriptors() {
 std::filesystem::path own_program() { return {}; }
 
 void limit_heaps(int) {}
-void give_back_memory() {}
+void make_heap(size_t) {}
+void give_back_memory(uint64_t) {}
 void begin_write_back(int, uint64_t, uint64_t) {}
 void populate(void*, size_t) {}
 

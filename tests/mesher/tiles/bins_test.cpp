@@ -1,12 +1,14 @@
 // Facets on disk: what is put into bins comes back, and lies where the rays need it.
 #include "mesher/tiles/bins.hpp"
 
+#include <malloc.h>
 #include <unistd.h>
 
 #include <map>
 
 #include "store/base/error.hpp"
 #include "tests/mesher/tiles/tile_grids.hpp"
+#include "tests/support/disk.hpp"
 #include "tests/support/meshed.hpp"
 
 namespace teracell::mesher {
@@ -335,24 +337,14 @@ TEST_CASE("Single precision takes half the room, and gives back coordinates that
   expect_bins(meta, numbered(facets), *bins, unmoved);
 }
 
-// The descriptor of the only file without a name, in the folder or in memory.
-int temporary_file(const TempFolder& folder) {
-  for (int fd = 3; fd < 1024; ++fd) {
-    std::error_code none;
-    const std::string target = std::filesystem::read_symlink("/proc/self/fd/" + std::to_string(fd), none).string();
-    if ((target.starts_with(folder.path().string()) || target.starts_with("/memfd:teracell")) && target.ends_with("(deleted)")) return fd;
-  }
-  throw std::runtime_error("no temporary file is open");
-}
-
 TEST_CASE("A byte of the temporary file that changed, or is gone, is an error and no facet") {
   const TempFolder folder;
   const Metadata meta = tile_grids()[0];
   const std::vector<Added> facets(100, Added{Facet{{Vec3{1, 1, 1}, {3, 1, 1}, {1, 3, 1}}}, 0});
-  const auto [budget, in_memory] = GENERATE(table<uint64_t, bool>({{1 << 30, true}, {10'000, false}}));
+  constexpr uint64_t budget = 10'000;  // so little that they don't stay in memory
   for (const off_t at : {0, 71, 72, 5000, 100 * 76 - 1}) {  // a record has 76 bytes
     const auto bins = filled(meta, facets, folder, {.budget = budget, .expected = facets.size()});
-    REQUIRE(bins->in_memory() == in_memory);
+    REQUIRE(!bins->in_memory());
     const int fd = temporary_file(folder);
     uint8_t byte;
     REQUIRE(::pread(fd, &byte, 1, at) == 1);
@@ -363,6 +355,28 @@ TEST_CASE("A byte of the temporary file that changed, or is gone, is an error an
   const auto bins = filled(meta, facets, folder, {.budget = budget, .expected = facets.size()});
   REQUIRE(::ftruncate(temporary_file(folder), 100 * 76 - 1) == 0);
   REQUIRE_THROWS_AS(take_all(meta, *bins), IoError);
+}
+
+TEST_CASE("Bins that are full hold no memory for their facets, however many they are") {
+  const TempFolder folder;
+  const Axis axis = Axis::uniform(0, 1, 0, 512, 0.5);
+  const Metadata meta = tile_grid(2, axis, axis, axis, 2);
+  std::vector<Facet> facets;
+  for (double y = 1; y < 511; y += 1.5)
+    for (double x = 1; x < 511; x += 1.5) facets.push_back({{Vec3{x, y, 1}, {x + 0.5, y, 1}, {x, y + 0.5, 1}}});
+  const auto in_use = [] {
+    const struct mallinfo2 all = ::mallinfo2();
+    return all.uordblks + all.hblkhd;
+  };
+  const std::vector<Added> added = numbered(facets);
+  const size_t before = in_use();
+  const auto bins = filled(meta, added, folder, {.expected = added.size() / 64});  // so most bins are split when all others are full
+  const size_t after = in_use();
+  REQUIRE(!bins->in_memory());
+  size_t count = 0;
+  for_each_bin(meta, *bins, [&](const TreePlace& at) { count += bins->facets(at) > 0; });
+  REQUIRE(count >= 256);
+  CHECK(after - before < count * 1024);  // buffers take 4096 bytes each at least
 }
 
 TEST_CASE("No facets are a bin without facets, and need no room") {

@@ -1,5 +1,4 @@
 // Files and folders: a name appears only for what is complete, and nothing else is left behind.
-#include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
 #include <unistd.h>
@@ -7,6 +6,7 @@
 #include "store/base/file.hpp"
 #include "store/base/output_file.hpp"
 #include "store/base/output_folder.hpp"
+#include "tests/support/disk.hpp"
 #include "tests/support/meshed.hpp"
 #include "tests/support/stored.hpp"
 
@@ -35,26 +35,6 @@ Bytes some_bytes(size_t n) {
   for (size_t i = 0; i < n; ++i) bytes[i] = static_cast<uint8_t>(i * i >> 3);
   return bytes;
 }
-
-// Files may not pass `limit` bytes while it lives: the nearest thing to a full disk that needs no disk.
-class FileSizeLimit {
- public:
-  explicit FileSizeLimit(rlim_t limit) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
-    getrlimit(RLIMIT_FSIZE, &before_);
-    rlimit now = before_;
-    now.rlim_cur = limit;
-    setrlimit(RLIMIT_FSIZE, &now);
-  }
-  ~FileSizeLimit() {
-    setrlimit(RLIMIT_FSIZE, &before_);
-    std::signal(SIGXFSZ, handler_);
-  }
-  FileSizeLimit(const FileSizeLimit&) = delete;
-
- private:
-  rlimit before_;
-  void (*handler_)(int);
-};
 
 TEST_CASE("An output file has no name before commit and every byte after it") {
   const TempFolder folder;
