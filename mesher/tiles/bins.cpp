@@ -1,12 +1,9 @@
 #include "mesher/tiles/bins.hpp"
 
+#include <algorithm>
 #include <cstring>
 
-#include <fmt/format.h>
-
 #include "mesher/closing/vertex_hash.hpp"
-#include "store/base/error.hpp"
-#include "store/format/format.hpp"
 
 namespace teracell::mesher {
 namespace {

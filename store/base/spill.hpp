@@ -17,7 +17,7 @@ struct Budget {
   std::filesystem::path folder = ".";  // for temporary files
   bool together = false;               // the facets are needed all at once, even where bins would be faster (kMostTogether in bodies.cpp)
 
-  // What the process may take without giving back what it freed: pages that come anew take longer than what is done in them.
+  // So much the process may take before it gives back what it freed: the pages would soon be needed again.
   uint64_t unasked() const { return std::min(bytes / 4, uint64_t{1} << 26); }
 };
 

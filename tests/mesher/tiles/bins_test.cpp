@@ -366,15 +366,15 @@ TEST_CASE("Bins that are full hold no memory for their facets, however many they
     for (double x = 1; x < 511; x += 1.5) facets.push_back({{Vec3{x, y, 1}, {x + 0.5, y, 1}, {x, y + 0.5, 1}}});
   const auto in_use = [] {
     const struct mallinfo2 all = ::mallinfo2();
-    return all.uordblks + all.hblkhd;
+    return static_cast<int64_t>(all.uordblks + all.hblkhd);
   };
   const std::vector<Added> added = numbered(facets);
-  const size_t before = in_use();
+  const int64_t before = in_use();
   const auto bins = filled(meta, added, folder, {.expected = added.size() / 64});  // so most bins are split when all others are full
-  const size_t after = in_use();
+  const int64_t after = in_use();
   REQUIRE(!bins->in_memory());
-  size_t count = 0;
-  for_each_bin(meta, *bins, [&](const TreePlace& at) { count += bins->facets(at) > 0; });
+  int64_t count = 0;
+  for_each_bin(meta, *bins, [&](const TreePlace& at) { count += bins->facets(at) > 0 ? 1 : 0; });
   REQUIRE(count >= 256);
   CHECK(after - before < count * 1024);  // buffers take 4096 bytes each at least
 }

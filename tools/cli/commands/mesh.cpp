@@ -1,5 +1,4 @@
 // teracell mesh: a scene or bare surfaces in, a .tcell file out.
-#include <algorithm>
 
 #include <fmt/format.h>
 
@@ -37,7 +36,8 @@ void run(const MeshArguments& o) {
   if (o.dry_run) return run_dry(o, scene);
   check_outputs(o, scene);
   const mesher::MeshOptions options = mesh_options(o);
-  constexpr uint64_t kHeap = uint64_t{30} << 20;  // what meshing a small surface takes
+  // What meshing a small surface takes. As much may stay in the heap of each thread, so it must be little of the memory.
+  constexpr uint64_t kHeap = uint64_t{30} << 20;
   if (options.memory / static_cast<uint64_t>(threads_or_all(o.threads)) >= 8 * kHeap) system::make_heap(kHeap);
   if (options.shard && !o.report.empty()) throw UsageError("--report: expected a whole grid, found --shard: give it to `teracell merge`");
   if (options.shard && !o.write_planes.empty()) throw UsageError("--write-planes: expected a whole grid, found --shard: --dry-run writes them, too");
