@@ -25,7 +25,33 @@ constexpr uint32_t kMostSimpleChanges = 64;
 // Numbers of eight rays at once. They are written out as vectors, since compilers leave most such loops as they are at -O2.
 constexpr uint32_t kLanes = 8;
 using Lanes [[gnu::vector_size(32)]] = int32_t;
-using CrossingLanes [[gnu::vector_size(32)]] = uint64_t;
+using FourLanes [[gnu::vector_size(16)]] = int32_t;
+
+// A row of sub-rays, so many of each of eight rays, those of ray l from cells[begins[l]] on: take(i, lanes) gets those of the eight rays side by side
+// that are number i of theirs.
+template <class Take>
+TERACELL_IN_LINE inline void turn_sub_rays(const uint32_t* cells, const size_t (&begins)[kLanes], uint32_t of_each, const Take& take) {
+  constexpr uint32_t kFour = 4;
+  if (of_each % kFour != 0) {
+    for (uint32_t i = 0; i < of_each; ++i) {
+      const auto cell = [&](uint32_t l) TERACELL_IN_LINE { return static_cast<int32_t>(cells[begins[l] + i]); };
+      take(i, Lanes{cell(0), cell(1), cell(2), cell(3), cell(4), cell(5), cell(6), cell(7)});
+    }
+    return;
+  }
+  for (uint32_t i = 0; i < of_each; i += kFour) {
+    FourLanes turned[2][kFour];  // of the lower four rays, and of the upper ones
+    for (uint32_t half = 0; half < 2; ++half) {
+      FourLanes r[kFour];
+      for (uint32_t l = 0; l < kFour; ++l) __builtin_memcpy(&r[l], cells + begins[half * kFour + l] + i, sizeof r[l]);
+      const FourLanes a = __builtin_shufflevector(r[0], r[1], 0, 4, 1, 5), b = __builtin_shufflevector(r[2], r[3], 0, 4, 1, 5);
+      const FourLanes c = __builtin_shufflevector(r[0], r[1], 2, 6, 3, 7), d = __builtin_shufflevector(r[2], r[3], 2, 6, 3, 7);
+      turned[half][0] = __builtin_shufflevector(a, b, 0, 1, 4, 5), turned[half][1] = __builtin_shufflevector(a, b, 2, 3, 6, 7);
+      turned[half][2] = __builtin_shufflevector(c, d, 0, 1, 4, 5), turned[half][3] = __builtin_shufflevector(c, d, 2, 3, 6, 7);
+    }
+    for (uint32_t k = 0; k < kFour; ++k) take(i + k, __builtin_shufflevector(turned[0][k], turned[1][k], 0, 1, 2, 3, 4, 5, 6, 7));
+  }
+}
 
 // Calls f(from, to) for pieces of [lo, hi) of a length.
 template <class F>
@@ -96,19 +122,23 @@ void FractionCounter::count(const Cells& all, std::span<const SceneFacet* const>
     Box cells = tile;
     cells.lo[v] = v0, cells.hi[v] = v1;
     if (stretches == 1 && tile.hi[u] - tile.lo[u] <= rays_u) return count_block(tile, cells, facets, engine, runs, out);
-    blocks_.clear();
+    size_t blocks = 0;
     in_pieces(tile.lo[u], tile.hi[u], rays_u, [&](int64_t u0, int64_t u1) {
       in_pieces(tile.lo[w], tile.hi[w], length, [&](int64_t w0, int64_t w1) {
         cells.lo[u] = u0, cells.hi[u] = u1, cells.lo[w] = w0, cells.hi[w] = w1;
-        blocks_.emplace_back().reset(static_cast<uint32_t>(u1 - u0), static_cast<uint32_t>(v1 - v0), runs.length, total_);
-        count_block(tile, cells, facets, engine, runs, blocks_.back());
+        if (blocks_.size() == blocks) blocks_.emplace_back();
+        MixedCells& block = blocks_[blocks++];
+        block.reset(static_cast<uint32_t>(u1 - u0), static_cast<uint32_t>(v1 - v0), runs.length, total_);
+        count_block(tile, cells, facets, engine, runs, block);
       });
     });
     for (uint32_t j = 0; j < v1 - v0; ++j)
-      for (size_t first = 0; first < blocks_.size(); first += stretches)
+      for (size_t first = 0; first < blocks; first += stretches)
         for (uint32_t i = 0; i < blocks_[first].nu; ++i) {
-          for (const MixedCells& block : std::span(blocks_).subspan(first, stretches))
-            for (const MixedCells::Run& run : block.of_ray(j * block.nu + i)) out.add(run.from, run.to, block.labels(run), block.counts_of(run));
+          const uint32_t ray = j * blocks_[first].nu + i;
+          out.add_ray(blocks_[first], ray);
+          for (const MixedCells& block : std::span(blocks_).subspan(first + 1, stretches - 1))
+            for (const MixedCells::Run& run : block.of_ray(ray)) out.add(run.from, run.to, block.labels(run), block.counts_of(run));
           out.end_ray();
         }
   });
@@ -123,8 +153,8 @@ void FractionCounter::count_block(const Box& tile, const Box& cells, std::span<c
     const auto first = static_cast<uint32_t>((cells.lo[v] - tile.lo[v] + j) * runs.nu + (cells.lo[u] - tile.lo[u]));
     simple_.assign(nu, 0);
     alike_.clear(), spans_.clear();
-    behind_size_ = 0;
-    if (cells.lo[w] == 0) find_simple(j, nu, runs, first);
+    backgrounds_size_ = 0;
+    if (cells.lo[w] == 0 && in_planes_) find_simple(j, nu, runs, first);
     compose_others(j, cells);
     auto alike = alike_.begin();
     for (uint32_t i = 0, other = 0; i < nu;) {
@@ -161,12 +191,11 @@ void FractionCounter::cast(const Box& cells, std::span<const SceneFacet* const> 
     };
     if (meets(u, sub_tile_.u) && meets(v, sub_tile_.v)) near_.push_back(facet);
   }
-  if (near_.empty() && !engine.searches_scene()) {
-    crossings_.begin.assign(sub_tile_.rays() + size_t{1}, 0);
-    return;
-  }
+  in_planes_ = near_.empty() && !engine.searches_scene();
+  if (in_planes_) return planes_.reset(sub_tile_.rays());
   try {
-    engine.cast(sub_tile_, near_, crossings_);
+    in_planes_ = engine.cast_planes(sub_tile_, near_, planes_);
+    if (!in_planes_) engine.cast(sub_tile_, near_, crossings_);
   } catch (const InputError& e) {
     throw InputError(fmt::format("fractions of {} x {} x {} sub-samples per cell: {}", samples_[0], samples_[1], samples_[2], e.what()));
   }
@@ -191,28 +220,24 @@ uint32_t FractionCounter::find_alike(uint32_t v, uint32_t begin, uint32_t end, c
   const Label label = changes == 0 ? 0 : sets[1];
   for (uint32_t i = 0; i <= changes; ++i)
     if (changes % 2 != 0 || sets[i] != (i % 2 == 0 ? 0 : label)) return end;
-  const uint32_t* const begins = crossings_.begin.data() + size_t{v} * sv * row_size + size_t{begin} * su;
+  const size_t corner = size_t{v} * sv * row_size + size_t{begin} * su, all = size_t{end - begin} * su;
   for (uint32_t j = 0; j < sv; ++j) {
-    const uint32_t* const row = begins + size_t{j} * row_size;
-    Lanes differences = {};
-    uint32_t i = 0;
-    for (; i + kLanes <= (end - begin) * su; i += kLanes) {
-      Lanes from, to;
-      __builtin_memcpy(&from, row + i, sizeof from);
-      __builtin_memcpy(&to, row + i + 1, sizeof to);
-      differences |= (to - from) ^ static_cast<int32_t>(changes);
-    }
-    bool same = true;
-    for (uint32_t l = 0; l < kLanes; ++l) same &= differences[l] == 0;
-    for (i = same ? i : 0; i < (end - begin) * su; ++i)
-      if (row[i + 1] - row[i] != changes) end = begin + i / su;
+    const uint8_t* const row = planes_.counts.data() + corner + size_t{j} * row_size;
+    uint32_t different = 0;
+    on_vector_unit([=, &different]() TERACELL_IN_LINE {
+      uint8_t of_any = 0;
+      for (size_t i = 0; i < all; ++i) of_any |= static_cast<uint8_t>(row[i] ^ changes);
+      different = of_any;
+    });
+    for (uint32_t i = 0; different != 0 && i < (end - begin) * su; ++i)
+      if (row[i] != changes) end = begin + i / su;
   }
   if (end == begin) return begin + 1;
-  const Alike rays{begin, end, changes, label, spans_.size()};
+  Alike rays{begin, end, changes, label, spans_.size(), 0};
   if (changes > 0) {
-    const uint64_t crossing = crossings_.all[*begins];
+    const uint64_t crossing = planes_.crossing(corner, 0);
     if (Crossing::is_mark(crossing) || label_of_layer_[Crossing::layer(crossing)] != label) return end;
-    count_alike(rays, begins, runs.at.data() + runs.begin[first_ray + begin]);
+    count_alike(rays, corner, runs.at.data() + runs.begin[first_ray + begin]);
   } else {
     std::fill(simple_.begin() + begin, simple_.begin() + end, 1);
   }
@@ -222,70 +247,69 @@ uint32_t FractionCounter::find_alike(uint32_t v, uint32_t begin, uint32_t end, c
 
 // A ray is simple if its sub-rays change as it does itself, all by crossings of one layer, up and down by turns, and if no cell has two of its
 // changes.
-void FractionCounter::count_alike(const Alike& rays, const uint32_t* begins, const uint32_t* ends) {
+void FractionCounter::count_alike(Alike& rays, size_t corner, const uint32_t* ends) {
   const uint32_t su = samples_[frame_.u], sv = samples_[frame_.v], size = rays.end - rays.begin, changes = rays.changes;
   const auto per_ray = static_cast<int32_t>(samples_[frame_.w]), length = static_cast<int32_t>(axis_.cells());
-  const int shift = std::countr_zero(samples_[frame_.w]);
-  const size_t row_size = sub_tile_.u.size(), blocks = (size + kLanes - 1) / kLanes, most_counts = size_t{changes} * kMostPlainCells * kLanes;
+  const int shift = std::countr_zero(samples_[frame_.w]), total = static_cast<int>(total_);
+  const size_t row_size = sub_tile_.u.size(), stride = planes_.stride, blocks = (size + kLanes - 1) / kLanes;
+  const size_t most_counts = size_t{changes} * kMostPlainCells * kLanes;
   spans_.resize(rays.spans + blocks * changes);
   places_.resize(size_t{su} * sv * kLanes);
-  const uint64_t* const all = crossings_.all.data();
   int32_t* const places = places_.data();
-  const uint64_t turns = static_cast<uint32_t>(all[*begins]);
+  const uint32_t *const sub_cells = planes_.cells.data() + corner, *const rests = planes_.rests.data() + corner, turns = rests[0];
   for (size_t block = 0; block < blocks; ++block) {
     Spans* const spans = spans_.data() + rays.spans + block * changes;
-    const size_t counts_begin = behind_size_;
-    if (behind_.size() < counts_begin + most_counts) behind_.resize(2 * (counts_begin + most_counts));
-    int32_t* const behind = behind_.data() + counts_begin;
+    const size_t counts_begin = backgrounds_size_;
+    if (backgrounds_.size() < counts_begin + most_counts) backgrounds_.resize(2 * (counts_begin + most_counts));
+    int32_t* const backgrounds = backgrounds_.data() + counts_begin;
     uint8_t* const simple = simple_.data() + rays.begin + block * kLanes;
     const uint32_t first = static_cast<uint32_t>(block) * kLanes, width = std::min(kLanes, size - first);
     size_t used = 0;
-    on_vector_unit([=, &used]() TERACELL_IN_LINE {
-      // The crossings of a row lie side by side, and go up and down by turns.
-      const CrossingLanes expected = {turns, turns ^ 1, turns, turns ^ 1};
-      CrossingLanes different = {};
-      for (uint32_t j = 0; j < sv; ++j) {
-        const uint64_t* const c = all + begins[j * row_size] + size_t{first} * su * changes;
-        const uint32_t words = width * su * changes;
-        uint32_t i = 0;
-        for (; i + 4 <= words; i += 4) {
-          CrossingLanes x;
-          __builtin_memcpy(&x, c + i, sizeof x);
-          different |= x ^ expected;
+    uint32_t of_block = 0;  // mixed cells
+    on_vector_unit([=, &used, &of_block]() TERACELL_IN_LINE {
+      // The crossings go up and down by turns.
+      Lanes different = {};
+      for (uint32_t n = 0; n < changes; ++n)
+        for (uint32_t j = 0; j < sv; ++j) {
+          const uint32_t* const row = rests + n * stride + j * row_size + size_t{first} * su;
+          const uint32_t expected = turns ^ (n & 1), words = width * su;
+          uint32_t i = 0;
+          for (; i + kLanes <= words; i += kLanes) {
+            Lanes x;
+            __builtin_memcpy(&x, row + i, sizeof x);
+            different |= x ^ static_cast<int32_t>(expected);
+          }
+          for (; i < words; ++i) different[0] |= static_cast<int32_t>(row[i] ^ expected);
         }
-        for (; i < words; ++i) different[i % 4] |= c[i] ^ expected[i % 4];
-      }
-      if (static_cast<uint32_t>(different[0] | different[1] | different[2] | different[3]) != 0) return;
+      bool same = true;
+      for (uint32_t l = 0; l < kLanes; ++l) same &= different[l] == 0;
+      if (!same) return;
 
       uint32_t ray[kLanes];
-      for (uint32_t l = 0; l < kLanes; ++l) ray[l] = std::min(first + l, size - 1);
-      const Lanes zero = {}, all_of_one = zero + per_ray;
-      Lanes before = zero, good = ~zero;
+      size_t sub_rays[kLanes];
+      for (uint32_t l = 0; l < kLanes; ++l) ray[l] = std::min(first + l, size - 1), sub_rays[l] = size_t{ray[l]} * su;
+      const Lanes zero = {}, all_of_one = zero + per_ray, all = zero + total;
+      Lanes before = zero, good = ~zero, mixed = zero;
       size_t counts = 0;
       for (uint32_t n = 0; n < changes; ++n) {
         Lanes least = zero + INT32_MAX, greatest = zero;
-        int32_t* at = places;
-        for (uint32_t j = 0; j < sv; ++j) {
-          const uint64_t* c = all + begins[j * row_size] + n;
-          const size_t step = size_t{su} * changes;
-          for (uint32_t i = 0; i < su; ++i, c += changes, at += kLanes) {
-            const auto place = [&](uint32_t l) TERACELL_IN_LINE { return static_cast<int32_t>(Crossing::cell(c[ray[l] * step])); };
-            const Lanes p = {place(0), place(1), place(2), place(3), place(4), place(5), place(6), place(7)};
-            __builtin_memcpy(at, &p, sizeof p);
+        for (uint32_t j = 0; j < sv; ++j)
+          turn_sub_rays(sub_cells + n * stride + j * row_size, sub_rays, su, [&](uint32_t i, Lanes p) TERACELL_IN_LINE {
+            __builtin_memcpy(places + (size_t{j} * su + i) * kLanes, &p, sizeof p);
             least = p < least ? p : least, greatest = p > greatest ? p : greatest;
-          }
-        }
+          });
         const auto change = [&](uint32_t l) TERACELL_IN_LINE { return static_cast<int32_t>(ends[ray[l] * changes + n]); };
         const Lanes end = {change(0), change(1), change(2), change(3), change(4), change(5), change(6), change(7)};
         const Lanes from = least >> shift, to = (greatest + (per_ray - 1)) >> shift, cells = to - from;
         good &= (least > 0) & (greatest < length) & (end >= from) & (end <= to) & (cells <= static_cast<int32_t>(kMostPlainCells)) & (from >= before);
         before = to;
+        mixed += good & cells;
         __builtin_memcpy(spans[n].from, &from, sizeof from);
         __builtin_memcpy(spans[n].to, &to, sizeof to);
         spans[n].counts = counts_begin + counts;
         int32_t most = 0;
         for (uint32_t l = 0; l < kLanes; ++l) most = std::max(most, good[l] ? cells[l] : 0);
-        Lanes cell_end = (from + 1) << shift;
+        Lanes cell_end = (from + 1) << shift, latest = zero - 1, has_equal = zero;
         for (int32_t cell = 0; cell < most; ++cell, cell_end += per_ray, counts += kLanes) {
           // Of each sub-ray what lies behind its change.
           Lanes sum = zero;
@@ -296,52 +320,76 @@ void FractionCounter::count_alike(const Alike& rays, const uint32_t* begins, con
             p = p < zero ? zero : p;
             sum += p > all_of_one ? all_of_one : p;
           }
-          __builtin_memcpy(behind + counts, &sum, sizeof sum);
+          has_equal |= (sum == latest) & (cell < cells);
+          latest = sum;
+          const Lanes background = n % 2 == 0 ? all - sum : sum;
+          __builtin_memcpy(backgrounds + counts, &background, sizeof background);
         }
+        __builtin_memcpy(spans[n].has_equal, &has_equal, sizeof has_equal);
       }
       for (uint32_t l = 0; l < width; ++l) simple[l] = good[l] != 0;
       used = counts;
+      for (uint32_t l = 0; l < width; ++l) of_block += static_cast<uint32_t>(mixed[l]);
     });
-    behind_size_ += used;
+    backgrounds_size_ += used;
+    rays.cells += of_block;
   }
 }
 
 // Appends rays of a row that are simple.
 void FractionCounter::add_simple(const Alike& rays, uint32_t begin, uint32_t end, MixedCells& out) const {
-  const uint32_t labels[2] = {0, rays.label}, first = begin - rays.begin, last = end - rays.begin, changes = rays.changes;
-  const auto spans_of = [&](uint32_t ray) { return spans_.data() + rays.spans + size_t{ray / kLanes} * changes; };
-  size_t most = 0;
-  for (uint32_t ray = first; ray < last; ++ray)
-    for (uint32_t n = 0; n < changes; ++n) most += static_cast<uint32_t>(spans_of(ray)[n].to[ray % kLanes] - spans_of(ray)[n].from[ray % kLanes]);
-  const size_t runs_before = out.runs.size(), counts_before = out.counts.size();
-  const uint32_t set = most > 0 ? out.sets.intern(labels) : 0;
-  out.runs.resize(runs_before + most);
-  out.counts.resize(counts_before + 2 * most);
-  MixedCells::Run* run = out.runs.data() + runs_before;
-  uint32_t* count = out.counts.data() + counts_before;
-  const uint32_t total = total_;
+  if (rays.cells == 0) {
+    out.begin.insert(out.begin.end(), end - begin, static_cast<uint32_t>(out.stretches.size()));
+    return;
+  }
+  constexpr uint32_t kFew = 4;  // cells of a change. Most have two or three, and no processor foresees which, so four are always written
+  const uint32_t labels[2] = {0, rays.label}, first = begin - rays.begin, last = end - rays.begin, changes = rays.changes, total = total_;
+  const uint32_t runs_before = out.runs;
+  const size_t stretches_before = out.stretches.size(), counts_before = out.counts.size();
+  out.stretches.resize(stretches_before + size_t{last - first} * changes + 1);
+  out.counts.resize(counts_before + 2 * (size_t{rays.cells} + kFew));
+  MixedCells::Stretch *const stretches = out.stretches.data(), *stretch = stretches + stretches_before;
+  uint32_t *const counts = out.counts.data() + counts_before, *count = counts;
+  uint32_t run = runs_before;
   for (uint32_t ray = first; ray < last; ++ray) {
-    const Spans* const spans = spans_of(ray);
+    const Spans* const spans = spans_.data() + rays.spans + size_t{ray / kLanes} * changes;
     const uint32_t lane = ray % kLanes;
-    uint32_t latest = 0, latest_end = 0;  // of the latest run of the ray: its sub-samples of the background, and where it ends
+    uint32_t latest_end = ~uint32_t{0};  // of the latest run of the ray
     for (uint32_t n = 0; n < changes; ++n) {
-      const int32_t* behind = behind_.data() + spans[n].counts + lane;
-      const auto to = static_cast<uint32_t>(spans[n].to[lane]);
-      for (auto cell = static_cast<uint32_t>(spans[n].from[lane]); cell < to; ++cell, behind += kLanes) {
-        const auto next = static_cast<uint32_t>(*behind), background = n % 2 == 0 ? total - next : next;
-        if (background == latest && cell == latest_end) {
-          run[-1].to = latest_end = cell + 1;
+      const int32_t* const backgrounds = backgrounds_.data() + spans[n].counts + lane;
+      const auto from = static_cast<uint32_t>(spans[n].from[lane]), to = static_cast<uint32_t>(spans[n].to[lane]), cells = to - from;
+      if (cells == 0) continue;
+      const bool goes_on = from == latest_end;  // then the background of the run before this one is count[-2]
+      *stretch = {from, run};
+      stretch += !goes_on;
+      latest_end = to;
+      if (cells <= kFew) {
+        const FourLanes b = {backgrounds[0], backgrounds[size_t{kLanes}], backgrounds[size_t{2} * kLanes], backgrounds[size_t{3} * kLanes]};
+        const FourLanes rest = static_cast<int32_t>(total) - b;
+        const FourLanes lower = __builtin_shufflevector(b, rest, 0, 4, 1, 5), upper = __builtin_shufflevector(b, rest, 2, 6, 3, 7);
+        if (spans[n].has_equal[lane] == 0 && !(goes_on && static_cast<uint32_t>(backgrounds[0]) == count[-2])) {
+          __builtin_memcpy(count, &lower, sizeof lower);
+          __builtin_memcpy(count + kFew, &upper, sizeof upper);
+          run += cells, count += size_t{2} * cells;
           continue;
         }
-        *run++ = {cell, cell + 1, set, static_cast<uint32_t>(count - out.counts.data())};
-        *count++ = latest = background, *count++ = total - background;
-        latest_end = cell + 1;
+      }
+      bool has_latest = goes_on;
+      for (uint32_t k = 0; k < cells; ++k, has_latest = true) {
+        const auto b = static_cast<uint32_t>(backgrounds[size_t{k} * kLanes]);
+        if (has_latest && b == count[-2]) {
+          out.lengthen(run - 1, 1);
+          continue;
+        }
+        *count++ = b, *count++ = total - b;
+        ++run;
       }
     }
-    out.begin.push_back(static_cast<uint32_t>(run - out.runs.data()));
+    out.begin.push_back(static_cast<uint32_t>(stretch - stretches));
   }
-  out.runs.resize(static_cast<size_t>(run - out.runs.data()));
-  out.counts.resize(static_cast<size_t>(count - out.counts.data()));
+  out.stretches.resize(static_cast<size_t>(stretch - stretches));
+  out.counts.resize(counts_before + static_cast<size_t>(count - counts));
+  if (run > runs_before) out.name_set(run - runs_before, out.sets.intern(labels), counts_before);
 }
 
 // Makes the runs of the sub-rays of those rays of the row v that are not simple.
@@ -354,15 +402,14 @@ void FractionCounter::compose_others(uint32_t v, const Box& cells) {
   Crossings& c = other_crossings_;
   c.begin.assign(1, 0);
   c.all.clear();
-  for (uint32_t j = 0; j < sv; ++j) {
-    const uint32_t* const begins = crossings_.begin.data() + (size_t{v} * sv + j) * sub_tile_.u.size();
-    for (const uint32_t i : others_) {
-      const uint32_t* const ray = begins + size_t{i} * su;
-      const auto shift = static_cast<uint32_t>(c.all.size()) - ray[0];
-      c.all.insert(c.all.end(), crossings_.all.begin() + ray[0], crossings_.all.begin() + ray[su]);
-      for (uint32_t k = 1; k <= su; ++k) c.begin.push_back(ray[k] + shift);
-    }
-  }
+  for (uint32_t j = 0; j < sv; ++j)
+    for (const uint32_t i : others_)
+      for (uint32_t k = 0; k < su; ++k) {
+        const size_t ray = (size_t{v} * sv + j) * sub_tile_.u.size() + size_t{i} * su + k;
+        if (in_planes_) planes_.append(ray, c.all);
+        else c.all.insert(c.all.end(), crossings_.all.begin() + crossings_.begin[ray], crossings_.all.begin() + crossings_.begin[ray + 1]);
+        c.begin.push_back(static_cast<uint32_t>(c.all.size()));
+      }
   composer_.compose(c, static_cast<uint32_t>(others_.size()) * su, sv, static_cast<uint32_t>(axis_.cells()), sub_runs_);
   // What the composer counts is of no use here.
   composer_.take_overlaps(cells);

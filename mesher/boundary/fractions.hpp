@@ -34,11 +34,12 @@ class FractionCounter {
     uint32_t begin, end, changes;
     Label label;
     size_t spans;
+    uint32_t cells;  // the most mixed cells that they may have
   };
-  // The cells [from, to) that a change of each of eight rays is spread over. From `counts` on, behind_ has how many sub-samples of the first of them
-  // lie behind the change, ray by ray, then those of the second, and so on.
+  // The cells [from, to) that a change of each of eight rays is spread over, and whether two of them side by side have as many sub-samples of the
+  // background (not 0). From `counts` on, backgrounds_ has how many those are in the first cell, ray by ray, then in the second, and so on.
   struct Spans {
-    int32_t from[8], to[8];
+    int32_t from[8], to[8], has_equal[8];
     size_t counts;
   };
   // Appends the rays of a block.
@@ -47,7 +48,7 @@ class FractionCounter {
   void cast(const Box& cells, std::span<const SceneFacet* const> facets, Engine& engine);
   void find_simple(uint32_t v, uint32_t nu, const RayBlock& runs, uint32_t first_ray);
   uint32_t find_alike(uint32_t v, uint32_t begin, uint32_t end, const RayBlock& runs, uint32_t first_ray);
-  void count_alike(const Alike& rays, const uint32_t* begins, const uint32_t* ends);
+  void count_alike(Alike& rays, size_t corner, const uint32_t* ends);
   void add_simple(const Alike& rays, uint32_t begin, uint32_t end, MixedCells& out) const;
   void compose_others(uint32_t v, const Box& cells);
   bool count_plain_ray(uint32_t u, const Box& cells, std::span<const uint32_t> ends, std::span<const SetId> sets, MixedCells& out);
@@ -66,13 +67,16 @@ class FractionCounter {
   Axis axis_;
   Tile sub_tile_;
   std::vector<const SceneFacet*> near_;
-  Crossings crossings_;  // of the block's sub-rays
+  // Of the block's sub-rays.
+  bool in_planes_ = false;
+  CrossingPlanes planes_;
+  Crossings crossings_;  // if they are not in planes
   // Of a row of rays: which are simple, and how they change; the other ones, and the runs of their sub-rays.
   std::vector<uint8_t> simple_;
   std::vector<Alike> alike_;
   std::vector<Spans> spans_;
-  std::vector<int32_t> places_, behind_;
-  size_t behind_size_ = 0;  // of what behind_ has
+  std::vector<int32_t> places_, backgrounds_;
+  size_t backgrounds_size_ = 0;  // of what backgrounds_ has
   std::vector<uint32_t> others_;
   Crossings other_crossings_;
   RayBlock sub_runs_;

@@ -39,9 +39,8 @@ LinkFinder::LinkFinder(const Scene& scene, const std::vector<Layer>& layers, con
       only_patch_[b] = found->second.first;
 }
 
-void LinkFinder::find(const Cells& tile, std::span<const SceneFacet* const> facets, const GridFacets& all, Engine& engine, uint32_t segment_cells,
-                      const PutLinks& put) {
-  tile_ = &tile, all_ = &all;
+void LinkFinder::find(const Cells& tile, std::span<const SceneFacet* const> facets, Engine& engine, uint32_t segment_cells, const PutLinks& put) {
+  tile_ = &tile;
   if (has_marks_) cast_strip(0, facets, engine), cast_strip(1, facets, engine);
   for (std::vector<Walk>& walks : walks_) {
     walks.resize(tile.runs->rays() + (has_marks_ ? tile.runs->nu + tile.runs->nv : 0));
@@ -242,23 +241,20 @@ void LinkFinder::change_labels(int axis, Label from, Label to, std::span<const C
   link.patch = patch_of(crossers, enters ? link.begin : link.end, enters ? owner_at_begin : first_owner);
 }
 
-// The patch of the first facet that is crossed between sub-positions k - 1 and k: one of the owner, if there is any; one of a body's file
-// before those that close holes; then in the order of bodies and facets. Solids tell, or the sheet that is the owner.
+// The first patch of the facets that are crossed between sub-positions k - 1 and k: one of the owner, if there is any; one of a body's file
+// before those that close holes; then in the order of bodies and patches, since facets come in no certain order from bins. Solids tell, or the sheet
+// that is the owner.
 uint32_t LinkFinder::patch_of(std::span<const Crosser> crossers, uint32_t k, uint32_t owner) const {
   const SceneFacet* best = nullptr;
   const auto rank = [&](const SceneFacet& f) {
     const uint32_t body = body_of_layer(f.layer);
-    return std::tuple(body != owner, (f.patch & kAddedFacet) != 0, body);
-  };
-  const auto comes_first = [&](const SceneFacet& a, const SceneFacet& b) {
-    const auto of_a = rank(a), of_b = rank(b);
-    return of_a != of_b ? of_a < of_b : all_->number_of(a) < all_->number_of(b);
+    return std::tuple(body != owner, (f.patch & kAddedFacet) != 0, body, number_of_patch(f));
   };
   for (const Crosser& c : crossers) {
     if (c.k != k || c.facet == kNoFacet) continue;
     const SceneFacet& facet = *active_[c.facet];
     if (const uint32_t body = body_of_layer(facet.layer); is_sheet(body) && body != owner) continue;
-    if (!best || comes_first(facet, *best)) best = &facet;
+    if (!best || rank(facet) < rank(*best)) best = &facet;
   }
   return best ? number_of_patch(*best) : kNoPatch;
 }

@@ -13,7 +13,6 @@
 #include "mesher/thin/blocks.hpp"
 #include "mesher/thin/lines.hpp"
 #include "mesher/thin/marker.hpp"
-#include "mesher/tiles/facet_store.hpp"
 #include "store/channels/links.hpp"
 
 namespace teracell::mesher {
@@ -33,10 +32,9 @@ class LinkFinder {
   };
   // The links of the tile's cells with their upper neighbours, in segments of so many cells along the rays, so that memory does not follow
   // their length: calls put(segment, links) in order for segments that may have any; the links are valid during the call. `facets` are those
-  // that may matter to the tile, `all` holds them in their order.
+  // that may matter to the tile.
   using PutLinks = std::function<void(uint32_t segment, const ChunkLinks& links)>;
-  void find(const Cells& tile, std::span<const SceneFacet* const> facets, const GridFacets& all, Engine& engine, uint32_t segment_cells,
-            const PutLinks& put);
+  void find(const Cells& tile, std::span<const SceneFacet* const> facets, Engine& engine, uint32_t segment_cells, const PutLinks& put);
   uint64_t exact_decisions() const { return exact_decisions_ + marker_.exact_decisions(); }
 
  private:
@@ -97,7 +95,6 @@ class LinkFinder {
 
   // Of the tile.
   const Cells* tile_ = nullptr;
-  const GridFacets* all_ = nullptr;
   std::array<Strip, 2> strips_;  // the next rays along u and along v; used if has_marks_
   std::array<std::vector<Walk>, 3> walks_;  // for links along each axis: those of the tile's rays, then of the strips'
   ChunkLinks links_;                        // of a segment

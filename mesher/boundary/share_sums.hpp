@@ -15,17 +15,17 @@ using ShareSums = std::map<uint32_t, int64_t>;  // by label; what is 0 may be mi
 inline void add_shares(const MixedCells& mixed, const RayBlock& runs, ShareSums& sums) {
   for (uint32_t ray = 0; ray + 1 < mixed.begin.size(); ++ray) {
     const auto of_ray = mixed.of_ray(ray);
-    size_t next = 0;
     if (of_ray.empty()) continue;
     for (const MixedCells::Run& m : of_ray) {
       const auto labels = mixed.labels(m);
       const auto counts = mixed.counts_of(m);
       for (size_t i = 0; i < labels.size(); ++i) sums[labels[i]] += int64_t{counts[i]} * (m.to - m.from);
     }
+    auto next = of_ray.begin();
     runs.for_each_run(ray, [&](uint32_t from, uint32_t to, SetId label) {
-      while (next < of_ray.size() && of_ray[next].to <= from) ++next;
-      for (size_t i = next; i < of_ray.size() && of_ray[i].from < to; ++i)
-        sums[label] -= int64_t{mixed.total} * (std::min(of_ray[i].to, to) - std::max(of_ray[i].from, from));
+      while (next != of_ray.end() && (*next).to <= from) ++next;
+      for (auto i = next; i != of_ray.end() && (*i).from < to; ++i)
+        sums[label] -= int64_t{mixed.total} * (std::min((*i).to, to) - std::max((*i).from, from));
     });
   }
 }

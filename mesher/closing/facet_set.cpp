@@ -1,99 +1,111 @@
 #include "mesher/closing/facet_set.hpp"
 
 #include <algorithm>
-#include <array>
 #include <bit>
-#include <utility>
+#include <iterator>
 
 namespace teracell::mesher {
+namespace {
+
+constexpr int kFirstBit = 1, kFirstBitOfOthers = 33;
+
+bool are_equal(uint64_t a, uint64_t b) { return a >> 1 == b >> 1; }
+
+}  // namespace
+
+void FacetSet::Marks::clear(uint64_t facets, int first_bit) {
+  const size_t words = std::bit_ceil(8 * facets + 64) / 64;
+  seen_.assign(words, 0), again_.assign(words, 0);
+  first_bit_ = first_bit;
+}
 
 void FacetSet::expect(uint64_t facets) {
-  if (!sample_) rehash(std::bit_ceil(2 * (facets + kWaiting)));
+  if (sample_) return;
+  room_ = facets;
+  keys_.reserve(facets);
+  make_marks();
 }
 
-void FacetSet::insert(uint64_t key) {
-  if (key > most_) return;
-  size_t i = place_of(key);
-  while (table_[i] != 0 && (table_[i] ^ key) > 1) i = (i + 1) & (table_.size() - 1);
-  if (table_[i] == 0) {
-    table_[i] = key;
-    ++count_;
-  } else if (table_[i] != key) {
-    ++opposite_;
-    least_opposite_ = std::min(least_opposite_, key & ~uint64_t{1});
+void FacetSet::make_marks() {
+  marks_.clear(room_, kFirstBit);
+  for (size_t i = 0; i < marked_; ++i) marks_.add(keys_[i]);
+}
+
+void FacetSet::make_room() {
+  if (sample_) {
+    thin_out();
+    room_ = kRoomOfSample;
+  } else {
+    room_ = std::max(kLeastRoom, grown(room_));
+    keys_.reserve(room_);
+    make_marks();
   }
-}
-
-// In order of arrival: of equal ones the first determines the orientation.
-void FacetSet::take_waiting() {
-  for (size_t i = 0; i < kWaiting; ++i)
-    if (uint64_t& key = waiting_[(turn_ + i) % kWaiting]; key != 0) insert(std::exchange(key, 0));
-}
-
-void FacetSet::grow() {
-  if (sample_) drop_beyond_sample();
-  if (2 * (count_ + kWaiting) > table_.size()) rehash(std::max(kLeastTable, grown(table_.size())));
-}
-
-void FacetSet::rehash(size_t size) {
-  decltype(table_) old(size);
-  old.swap(table_);
-  count_ = 0;
-  for (const uint64_t key : old) {
-    if (key == 0 || key > most_) continue;
-    ++count_;
-    size_t i = place_of(key);
-    while (table_[i] != 0) i = (i + 1) & (table_.size() - 1);
-    table_[i] = key;
-  }
-}
-
-// The greatest key that a sample of what is in the table may hold.
-uint64_t FacetSet::end_of_sample() const {
-  if (count_ <= kMost) return most_;
-  std::array<uint64_t, 65> keys{};  // by their number of bits
-  for (const uint64_t key : table_) ++keys[static_cast<size_t>(std::bit_width(key))];
-  uint64_t most = most_;
-  for (uint64_t count = count_; count > kMost; most /= 2) count -= keys[static_cast<size_t>(std::bit_width(most))];
-  return most;
-}
-
-void FacetSet::drop_beyond_sample() {
-  const uint64_t most = end_of_sample();
-  if (most == most_) return;
-  most_ = most;
-  rehash(2 * (kMost + kWaiting));
 }
 
 void FacetSet::keep_sample() {
   sample_ = true;
-  take_waiting();
-  drop_beyond_sample();
+  make_room();
+  keys_.shrink_to_fit();
+  marks_ = Marks();
+}
+
+// Drops what is beyond the sample, and all but one of facets that are equal.
+void FacetSet::thin_out() {
+  const Found found = find_equal();
+  most_ = found.end_of_sample;
+  least_opposite_ = found.least_opposite;
+  std::erase_if(keys_, [&](uint64_t key) { return key > most_; });
+  if (found.duplicates == 0) return;
+  std::ranges::sort(keys_);
+  keys_.erase(std::unique(keys_.begin(), keys_.end(), are_equal), keys_.end());
 }
 
 void FacetSet::clear() {
-  const bool sample = sample_;
-  auto table = std::exchange(table_, {});
-  *this = FacetSet();
-  sample_ = sample;
-  if (table.empty() || table.size() > 2 * (kMost + kWaiting)) return;
-  table_ = std::move(table);
-  table_.assign(kLeastTable, 0);
+  keys_.clear();
+  if (keys_.capacity() > kRoomOfSample) keys_ = decltype(keys_)(), marks_ = Marks();  // = {} would keep the memory
+  room_ = sample_ ? kRoomOfSample : 0;
+  marked_ = 0;
+  most_ = least_opposite_ = ~uint64_t{0};
 }
 
-uint64_t FacetSet::duplicates() {
-  take_waiting();
-  return added_ - count_;
+// All facets that are equal to another one, and hardly any others, in order of arrival.
+std::vector<uint64_t> FacetSet::perhaps_equal() {
+  if (sample_) marks_.clear(keys_.size(), kFirstBit), marked_ = 0;
+  while (marked_ < keys_.size()) marks_.add(keys_[marked_++]);
+  std::vector<uint64_t> out;
+  std::ranges::copy_if(keys_, std::back_inserter(out), [&](uint64_t key) { return marks_.is_marked_again(key); });
+  Marks others;
+  others.clear(out.size(), kFirstBitOfOthers);
+  for (const uint64_t key : out) others.add(key);
+  std::erase_if(out, [&](uint64_t key) { return !others.is_marked_again(key); });
+  return out;
 }
 
-uint64_t FacetSet::opposite() {
-  take_waiting();
-  return opposite_;
+FacetSet::Found FacetSet::find_equal() {
+  Found out{.end_of_sample = most_, .least_opposite = least_opposite_};
+  std::vector<uint64_t> found = perhaps_equal();
+  std::ranges::stable_sort(found, {}, [](uint64_t key) { return key >> 1; });
+  std::array<uint64_t, 65> of_bits{};  // how many different keys have so many bits
+  const auto bits = [](uint64_t key) { return static_cast<size_t>(std::bit_width(key)); };
+  for (const uint64_t key : keys_) ++of_bits[bits(key)];
+  for (size_t first = 0, i = 1; i < found.size(); ++i) {
+    if (!are_equal(found[first], found[i])) {
+      first = i;
+      continue;
+    }
+    ++out.duplicates;
+    --of_bits[bits(found[i])];
+    if (found[i] == found[first]) continue;
+    ++out.opposite;
+    out.least_opposite = std::min(out.least_opposite, found[i] & ~uint64_t{1});
+  }
+  for (uint64_t count = keys_.size() - out.duplicates; count > kMost; out.end_of_sample /= 2) count -= of_bits[bits(out.end_of_sample)];
+  return out;
 }
 
-bool FacetSet::sample_has_opposites() {
-  take_waiting();
-  return least_opposite_ != ~uint64_t{0} && least_opposite_ <= end_of_sample();
+EqualFacets FacetSet::equal() {
+  const Found found = find_equal();
+  return {found.duplicates, found.opposite, found.least_opposite != ~uint64_t{0} && found.least_opposite <= found.end_of_sample};
 }
 
 }  // namespace teracell::mesher

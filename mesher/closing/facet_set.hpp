@@ -1,4 +1,4 @@
-// The facets of a surface by their vertices: how many different ones there are, and which lie on each other.
+// The facets of a surface by their vertices: which of them lie on each other.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -9,22 +9,32 @@
 
 namespace teracell::mesher {
 
-// Facets are equal when their three vertices are, in any order. Of equal ones, those are opposite whose orientation is not that of the first one;
-// a facet that has a vertex twice has no orientation. A hash table with open addressing and without erasure. Memory: 16 to 64 bytes per facet, or
-// 1 MiB for a sample, and 2 while it is thinned out. Not thread-safe.
+// What a set of facets has found. Facets are equal when their three vertices are, in any order. Of equal ones, those are opposite whose orientation
+// is not that of the first one; a facet that has a vertex twice has no orientation.
+struct EqualFacets {
+  uint64_t duplicates = 0;          // facets that are equal to an earlier one
+  uint64_t opposite = 0;            // those of them that are opposite
+  bool opposite_in_sample = false;  // whether any facets of the sample are opposite, also where all are held; in whatever order facets come
+};
+
+// Memory: 10 to 12 bytes for each facet that was expected; up to 24 for others, and twice as much while the set grows or if most facets are equal; or
+// 2 to 3 MB for a sample. Not thread-safe.
+//
+// Facets are hardly ever equal. So each of them marks one bit, which its hash chooses among 8 to 16 per facet that there is room for, and those whose
+// bit another one has marked, too, are looked at in the end. (A hash table of all facets has eight times as many bytes as the bits, and was seldom in
+// the cache. Where each of two million facets comes twice, the marks took four times as long as the table.)
 class FacetSet {
  public:
-  // Reserves memory, so that the table need not grow. REQUIRES: the set is empty.
+  // Reserves memory, so that the set need not grow. REQUIRES: the set is empty.
   void expect(uint64_t facets);
   void add(const std::array<VertexHash, 3>& facet) {
-    ++added_;
     const uint64_t key = key_of(facet);
     if (key > most_) return;
-    if (2 * (count_ + kWaiting) > table_.size()) grow();
-    __builtin_prefetch(&table_[place_of(key)]);
-    uint64_t& waiting = waiting_[turn_++ % kWaiting];
-    if (waiting != 0) insert(waiting);
-    waiting = key;
+    if (keys_.size() == room_) make_room();
+    keys_.push_back(key);
+    if (sample_) return;
+    marks_.prefetch(key);
+    if (keys_.size() - marked_ > kWaiting) marks_.add(keys_[marked_++]);
   }
   // From now on only a sample of the facets is held, those that were added included: all of a small surface, some 33,000 to 65,000 of a large
   // one. They are chosen by a hash of their vertices, so that the sample holds all facets that are equal, or none of them.
@@ -32,37 +42,53 @@ class FacetSet {
   bool is_sample() const { return sample_; }
   // Empties the set. It stays a sample if it is one.
   void clear();
-
-  uint64_t duplicates();  // facets that are equal to an earlier one. REQUIRES: all are held
-  uint64_t opposite();    // those of them that are opposite. REQUIRES: all are held
-  // Whether any of the sample's facets are opposite, also where all are held. The answer does not depend on the order of the facets.
-  bool sample_has_opposites();
+  // Of a sample, the numbers of duplicates and of opposite facets mean nothing.
+  EqualFacets equal();
 
  private:
-  static constexpr size_t kWaiting = 16, kLeastTable = 2 * kWaiting, kMost = (size_t{1} << 16) - kWaiting;
-  // The lowest bit is the orientation. 0 marks a free place.
+  static constexpr size_t kWaiting = 16, kLeastRoom = 32, kMost = (size_t{1} << 16) - 16, kRoomOfSample = size_t{1} << 17;
+  // The lowest bit is the orientation.
   static uint64_t key_of(const std::array<VertexHash, 3>& v) {
     const uint64_t a = v[0].low, b = v[1].low, c = v[2].low;
     const uint64_t turns = uint64_t{FacetKey::is_odd(v)} & uint64_t{a != b} & uint64_t{b != c} & uint64_t{a != c};
-    const uint64_t key = (FacetKey::low_of(v) & ~uint64_t{1}) | turns;
-    return key | uint64_t{key < 2} << 1;
+    return (FacetKey::low_of(v) & ~uint64_t{1}) | turns;
   }
-  size_t place_of(uint64_t key) const { return key >> 1 & (table_.size() - 1); }
-  void insert(uint64_t key);
-  void take_waiting();
-  void grow();
-  void rehash(size_t size);
-  uint64_t end_of_sample() const;
-  void drop_beyond_sample();
+  // Two facets that are equal have the same bit.
+  class Marks {
+   public:
+    void clear(uint64_t facets, int first_bit);  // `first_bit`: the lowest bit of a key that chooses its mark
+    void prefetch(uint64_t key) const { __builtin_prefetch(&seen_[word_of(key)]); }
+    void add(uint64_t key) {
+      const size_t word = word_of(key);
+      if (seen_[word] & bit_of(key)) again_[word] |= bit_of(key);
+      seen_[word] |= bit_of(key);
+    }
+    bool is_marked_again(uint64_t key) const { return (again_[word_of(key)] & bit_of(key)) != 0; }
 
-  std::vector<uint64_t, Populated<uint64_t>> table_;
-  // A facet goes into the table some calls later, when its place has reached the cache. On a large mesh nearly every look-up misses the cache, and
-  // waiting for memory took most of the time.
-  std::array<uint64_t, kWaiting> waiting_{};
-  uint64_t turn_ = 0, added_ = 0, count_ = 0, opposite_ = 0;  // count_: in the table
-  uint64_t least_opposite_ = ~uint64_t{0};                    // the least key of which facets are opposite
+   private:
+    size_t word_of(uint64_t key) const { return key >> first_bit_ >> 6 & (seen_.size() - 1); }
+    uint64_t bit_of(uint64_t key) const { return uint64_t{1} << (key >> first_bit_ & 63); }
+    std::vector<uint64_t, Populated<uint64_t>> seen_, again_;
+    int first_bit_ = 1;
+  };
+  void make_room();
+  void make_marks();
+  std::vector<uint64_t> perhaps_equal();
+  struct Found {
+    uint64_t duplicates = 0, opposite = 0, end_of_sample = 0;
+    uint64_t least_opposite = ~uint64_t{0};  // key of which facets are opposite
+  };
+  Found find_equal();
+  void thin_out();
+
+  std::vector<uint64_t, Populated<uint64_t>> keys_;  // in order of arrival
+  size_t room_ = 0;
+  // A key is marked some calls later, when its place has reached the cache.
+  Marks marks_;
+  size_t marked_ = 0;
   bool sample_ = false;
   uint64_t most_ = ~uint64_t{0};  // the sample holds all keys up to this one, which ends in ones: the orientation doesn't matter
+  uint64_t least_opposite_ = ~uint64_t{0};  // as in Found, when the sample was thinned out last
 };
 
 }  // namespace teracell::mesher

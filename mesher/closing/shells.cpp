@@ -33,7 +33,11 @@ void Shells::add(const Facet& facet) {
   const std::array<VertexHash, 3> hashes = vertex_hashes(facet);
   std::array<uint32_t, 3> v;
   for (int i = 0; i < 3; ++i) {
-    v[i] = recent_.number(hashes[i], [&] { return numbers_.find_or_add(hashes[i]); });
+    v[i] = recent_.number(hashes[i].low, hashes[i].high);
+    if (v[i] == RecentVertices::kNone) {
+      v[i] = numbers_.find_or_add(hashes[i]);
+      recent_.keep(hashes[i].low, hashes[i].high, v[i]);
+    }
     if (v[i] == vertex_groups_.size()) vertex_groups_.add();
   }
   for (int i = 1; i < 3; ++i) vertex_groups_.join(v[i], v[0]);

@@ -45,16 +45,20 @@ void ShellCounter::add(const Facet& facet, const std::array<uint32_t, 3>& number
   for (int i = 0; i < 3; ++i) {
     if (numbers[i] >= known_.size()) known_.resize(std::max<size_t>(numbers[i] + size_t{1}, 2 * known_.size()));
     uint32_t& known = known_[numbers[i]];
-    if (known == 0) known = first_seen(vertex_hash(facet.vertex[i])) + 1;
+    if (known == 0) {
+      const VertexHash hash = vertex_hash(facet.vertex[i]);
+      known = first_seen(hash.low, hash.high) + 1;
+    }
     v[i] = known - 1;
   }
   nodes_.join(v[1], v[0], v[2]);
 }
 
-uint32_t ShellCounter::first_seen(const VertexHash& vertex) {
+uint32_t ShellCounter::first_seen(uint64_t low, uint64_t high) {
   if (waited_ - settled_ == kWaiting) settle(waiting_[settled_++ % kWaiting]);
-  waiting_[waited_++ % kWaiting] = {vertex, nodes_.add()};
-  numbers_.prefetch(vertex);
+  Waiting& waiting = waiting_[waited_++ % kWaiting];
+  waiting = {{low, high}, nodes_.add()};
+  numbers_.prefetch(waiting.vertex);
   numbers_.prefetch_known(waiting_[(waited_ + kWaiting / 2) % kWaiting].vertex);
   return nodes_.size() - 1;
 }

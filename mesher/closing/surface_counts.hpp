@@ -18,30 +18,30 @@ namespace teracell::mesher {
 
 // The numbers of vertices that came lately. Successive facets often share vertices, so this small cache avoids two of three look-ups. It has its full
 // size only after some hundred vertices, because scenes of 100,000 bodies mostly have bodies with few.
+// (Hashes are passed by their halves: GCC 12 writes the halves of a parameter to the stack and reads them from there as a whole, which can't be done
+// before both have arrived in the cache. With 25.6 million facets a thirtieth of the samples of a profile waited for that in node_of() alone.)
 class RecentVertices {
  public:
-  // The number that was kept for the vertex; else that which `otherwise` returns, which is kept.
-  template <class F>
-  uint32_t number(const VertexHash& hash, F&& otherwise) {
-    const Recent& recent = recent_[hash.low >> shift_];
-    if (recent.hash == hash && recent.number != kNone) return recent.number;
-    const uint32_t number = otherwise();
-    keep(hash, number);
-    return number;
+  static constexpr uint32_t kNone = ~uint32_t{0};
+  // The number that was kept for the vertex; kNone if there is none.
+  uint32_t number(uint64_t low, uint64_t high) const {
+    const Recent& recent = recent_[low >> shift_];
+    return recent.low == low && recent.high == high ? recent.number : kNone;
+  }
+  void keep(uint64_t low, uint64_t high, uint32_t number) {
+    if (number >= kFew && recent_.size() < 512) grow();
+    recent_[low >> shift_] = {low, high, number};
   }
 
  private:
-  static constexpr uint32_t kNone = ~uint32_t{0}, kFew = 256;
+  static constexpr uint32_t kFew = 256;
   struct Recent {
-    VertexHash hash;
+    uint64_t low = 0, high = 0;
     uint32_t number = kNone;
   };
-  void keep(const VertexHash& hash, uint32_t number) {
-    if (number >= kFew && recent_.size() < 512) {
-      recent_.assign(512, {});
-      shift_ = 55;
-    }
-    recent_[hash.low >> shift_] = {hash, number};
+  [[gnu::noinline]] void grow() {
+    recent_.assign(512, {});
+    shift_ = 55;
   }
   std::vector<Recent> recent_ = std::vector<Recent>(8);
   int shift_ = 61;  // recent_ has 2^(64 - shift) entries
@@ -84,12 +84,17 @@ class VertexNumbers {
 class ShellCounter {
  public:
   // Reserves memory, so that the tables need not grow. A closed surface has about half as many vertices as facets. REQUIRES: no facet was added.
-  void expect(uint64_t facets) { numbers_.expect(facets / 2); }
-  void add(const std::array<VertexHash, 3>& facet) {
-    std::array<uint32_t, 3> v;
-    for (int i = 0; i < 3; ++i) v[i] = recent_.number(facet[i], [&] { return first_seen(facet[i]); });
-    nodes_.join(v[1], v[0], v[2]);
+  void expect(uint64_t facets) { numbers_.expect(facets / 2), nodes_.reserve(facets); }
+  void add(const std::array<VertexHash, 3>& facet) { join({node_of(facet[0]), node_of(facet[1]), node_of(facet[2])}); }
+  // The same where the nodes of vertices are asked for once for many facets.
+  uint32_t node_of(const VertexHash& vertex) { return node_of(vertex.low, vertex.high); }
+  uint32_t node_of(uint64_t low, uint64_t high) {
+    if (const uint32_t known = recent_.number(low, high); known != RecentVertices::kNone) return known;
+    const uint32_t node = first_seen(low, high);
+    recent_.keep(low, high, node);
+    return node;
   }
+  void join(const std::array<uint32_t, 3>& nodes) { nodes_.join(nodes[1], nodes[0], nodes[2]); }
   // A facet of a file that names vertices by number: a vertex is hashed once only.
   void add(const Facet& facet, const std::array<uint32_t, 3>& numbers);
   uint64_t shells();
@@ -102,7 +107,7 @@ class ShellCounter {
     VertexHash vertex;
     uint32_t node;
   };
-  uint32_t first_seen(const VertexHash& vertex);
+  uint32_t first_seen(uint64_t low, uint64_t high);
   void settle(const Waiting& waiting);
   void settle_all();
 
@@ -135,17 +140,23 @@ class SurfaceCounter {
   // facet.
   void add(const Facet& facet, bool at_home = true) {
     const std::array<VertexHash, 3> vertices = vertex_hashes(facet);
-    shells_.add(vertices);
+    add(facet, vertices, {node_of(vertices[0]), node_of(vertices[1]), node_of(vertices[2])}, at_home);
+  }
+  // The same where a vertex's hash and its node are asked for once for many facets.
+  uint32_t node_of(const VertexHash& vertex) { return shells_.node_of(vertex); }
+  void add(const Facet& facet, const std::array<VertexHash, 3>& vertices, const std::array<uint32_t, 3>& nodes, bool at_home) {
+    shells_.join(nodes);
     if (!at_home) return;
     facets_.add(vertices);
     degenerate_ += has_no_area(facet);
   }
 
-  uint64_t degenerate() const { return degenerate_; }  // facets without area
-  uint64_t duplicates() { return facets_.duplicates(); }  // facets with the three vertices of an earlier one
-  uint64_t opposite() { return facets_.opposite(); }  // duplicates whose orientation is opposite to the first one's
-  uint64_t shells() { return shells_.shells(); }
-  SurfaceCounts totals() { return {degenerate(), duplicates(), opposite(), shells()}; }
+  // Facets without area, facets with the three vertices of an earlier one, those of them whose orientation is opposite to the first one's, and
+  // shells.
+  SurfaceCounts totals() {
+    const EqualFacets equal = facets_.equal();
+    return {degenerate_, equal.duplicates, equal.opposite, shells_.shells()};
+  }
   uint32_t shell_of(const VertexHash& vertex) { return shells_.shell_of(vertex); }  // as ShellCounter's
 
  private:

@@ -1,5 +1,6 @@
 // The interface of all engines. An engine finds the crossings of the rays of one tile with the facets that may meet the tile.
 #pragma once
+#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -7,6 +8,7 @@
 #include <vector>
 
 #include "mesher/surface/facet.hpp"
+#include "store/base/populate.hpp"
 #include "store/grid/grid.hpp"
 
 namespace teracell::mesher {
@@ -52,7 +54,49 @@ struct Crossings {
   std::span<const uint64_t> of_ray(uint32_t ray) const { return {all.data() + begin[ray], begin[ray + 1] - begin[ray]}; }
 };
 
-// Throws InputError when there are more crossings than a tile may hold. Every engine calls it before it holds many more than that.
+// The crossings of a tile's rays, plane by plane: of each ray the one that was found first, then of each the one that was found second, and so on.
+// Rays side by side mostly cross the same facets in the same order, so whole vectors are written and read.
+struct CrossingPlanes {
+  static constexpr size_t kMost = 255, kMostPlaces = size_t{1} << 22;  // at most so many crossings of a ray, and places of all planes, fit
+  static constexpr size_t kMore = 8;                                   // places behind the last ray, which have no meaning
+  std::vector<uint8_t> counts;                                         // of each ray (v * nu + u), its crossings
+  size_t stride = 0;                                                   // from a plane to the next
+  UnfilledVector<uint32_t> cells, rests;                               // the halves of crossing k of a ray, at k * stride + ray
+
+  // Empties the planes for so many rays.
+  void reset(size_t rays) {
+    stride = rays + kMore;
+    counts.assign(stride, 0);
+    planes_ = std::min(cells.size() / stride, most());
+  }
+  size_t planes() const { return planes_; }  // that there is room for
+  size_t most() const { return std::min(kMost, kMostPlaces / stride); }
+  // Adds a crossing to a ray. Returns false if it doesn't fit.
+  bool add(size_t ray, uint64_t crossing) {
+    const size_t k = counts[ray];
+    if (k == most()) return false;
+    if (k == planes_) {
+      planes_ = std::min(2 * planes_ + 2, most());
+      cells.resize(planes_ * stride), rests.resize(planes_ * stride);
+    }
+    ++counts[ray];
+    cells[k * stride + ray] = static_cast<uint32_t>(crossing >> 32), rests[k * stride + ray] = static_cast<uint32_t>(crossing);
+    return true;
+  }
+  // Appends the crossings of a ray to others.
+  void append(size_t ray, std::vector<uint64_t>& out) const {
+    const size_t before = out.size(), count = counts[ray];
+    out.resize(before + count);
+    const uint32_t *cell = cells.data() + ray, *rest = rests.data() + ray;
+    for (size_t k = 0; k < count; ++k, cell += stride, rest += stride) out[before + k] = uint64_t{*cell} << 32 | *rest;
+  }
+  uint64_t crossing(size_t ray, uint32_t k) const { return uint64_t{cells[k * stride + ray]} << 32 | rests[k * stride + ray]; }
+
+ private:
+  size_t planes_ = 0;
+};
+
+// Throws InputError when there are more crossings than a tile may hold. Every cast() calls it before it holds many more than that.
 void check_crossings(const Tile& tile, uint64_t crossings);
 
 // Not to be shared by threads: each thread has an engine of its own, with its own scratch memory.
@@ -61,6 +105,9 @@ class Engine {
   virtual ~Engine() = default;
   // `facets` hold all facets that meet the tile, and may hold others. REQUIRES: the tile has rays.
   virtual void cast(const Tile& tile, std::span<const SceneFacet* const> facets, Crossings& out) = 0;
+  // The same, plane by plane, for engines that can and tiles whose rays have no more crossings than fit. For others it returns false, and `out` has
+  // no meaning.
+  virtual bool cast_planes(const Tile&, std::span<const SceneFacet* const>, CrossingPlanes&) { return false; }
   // Whether the engine was made for all facets of the scene and searches them for every tile, so that cast() ignores its facets.
   // Such an engine shows what that search costs: call cast() for every tile, also for those that no facet meets.
   virtual bool searches_scene() const { return false; }
@@ -80,7 +127,7 @@ using AllFacets = std::function<std::vector<const SceneFacet*>()>;
 
 // What an engine's file defines. engines.hpp lists all of them.
 struct EngineKind {
-  const char* name;     // of the option --engine
+  const char* name;  // of the option --engine
   bool searches_scene;  // whether the maker calls `all_facets`
   // A maker of engines for rays of `frame`. It calls `all_facets` at most once, before it returns; the facets outlive the engines.
   EngineMaker (*maker)(const RayFrame& frame, const AllFacets& all_facets);

@@ -64,7 +64,7 @@ void TileGroupWork::make_frames(uint32_t i, const Box& cells, std::span<const Sc
   if (worker.links) {
     std::vector<Bytes>& out = frames_[i].emplace_back(shape_.segments);
     if (!facets.empty())
-      worker.links->find({cells, &worker.crossings, &runs}, facets, *group_.block->facets, *worker.engine, shape_.chunk_cells,
+      worker.links->find({cells, &worker.crossings, &runs}, facets, *worker.engine, shape_.chunk_cells,
                          [&](uint32_t segment, const ChunkLinks& links) {
                            if (!links.empty()) out[segment] = worker.links_encoder.encode(links);
                          });

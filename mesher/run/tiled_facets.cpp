@@ -121,8 +121,8 @@ std::unique_ptr<FacetBins> TiledFacets::fill_bins(const TreeRange& range, bool a
   auto bins = std::make_unique<FacetBins>(meta_, all, all - repeated, bodies_.float32() && !walls, budget_, threads_ > 1, move, widened_, range,
                                           patches_ != nullptr);
   constexpr size_t kBatch = size_t{1} << 18;
-  JobLists<uint8_t> lists;
-  std::shared_ptr<std::vector<uint8_t>> batch = lists.next();  // of facets that are ready
+  JobLists<FacetBins::Ready> lists;
+  std::shared_ptr<FacetBins::Ready> batch = lists.next();  // of facets that are ready
   Background background(threads_ > 1);
   const auto hand_on = [&] {
     if (batch->empty()) return;

@@ -12,10 +12,25 @@ void BinnedCounter::Bin::add(const BinnedFacet& f) {
   if (f.added) return;  // not in the file
   const uint32_t body = body_of_layer(f.layer);
   if (!all_.wanted_[body]) return;
-  if (latest_ == nullptr || body != latest_body_) latest_ = &counters_[body], latest_body_ = body;
-  latest_->add(f.facet, f.at_home);
+  if (latest_ == nullptr || body != latest_body_) latest_ = &counters_[body], latest_body_ = body, ++stamp_;
+  if (f.block != block_) block_ = f.block, ++stamp_;
+  std::array<VertexHash, 3> vertices;
+  std::array<uint32_t, 3> nodes;
+  for (int i = 0; i < 3; ++i) {
+    if (f.block == 0) {
+      vertices[i] = vertex_hash(f.facet.vertex[i]), nodes[i] = latest_->node_of(vertices[i]);
+      continue;
+    }
+    if (f.vertices[i] >= known_.size()) known_.resize(2 * f.vertices[i] + 64);
+    Known& known = known_[f.vertices[i]];
+    if (known.stamp != stamp_) {
+      const VertexHash hash = vertex_hash(f.facet.vertex[i]);
+      known = {hash.low, stamp_, latest_->node_of(hash), hash.high};
+    }
+    vertices[i] = {known.low, known.high}, nodes[i] = known.node;
+  }
+  latest_->add(f.facet, vertices, nodes, f.at_home);
   if (f.bins == 1) return;
-  const std::array<VertexHash, 3> vertices = vertex_hashes(f.facet);
   const uint64_t hash = FacetKey::low_of(vertices) | 1;  // so no few times it is 0
   shared_.push_back({body, vertices[0], f.at_home ? (f.bins - 1) * hash : -hash});
 }
@@ -37,11 +52,12 @@ void BinnedCounter::Bin::finish() {
     if (const auto node = nodes.find(f.vertex); node != nodes.end() && node->second.to_come == 0) nodes.erase(node);
   }
   for (auto& [b, counter] : counters_) {
+    const SurfaceCounts found = counter.totals();
     SurfaceCounts& totals = all_.bodies_[b].totals;
-    totals.degenerate += counter.degenerate();
-    totals.duplicates += counter.duplicates();
-    totals.opposite += counter.opposite();
-    totals.shells += counter.shells();
+    totals.degenerate += found.degenerate;
+    totals.duplicates += found.duplicates;
+    totals.opposite += found.opposite;
+    totals.shells += found.shells;
   }
 }
 

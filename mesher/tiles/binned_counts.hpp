@@ -36,6 +36,15 @@ class BinnedCounter {
       uint64_t to_come;   // as in Node
     };
     std::vector<Shared> shared_;  // facets that lie in other bins too
+    // Vertices of the block that facets come from, as latest_ knows them: those with the newest stamp. (The halves of a hash lie apart, so that the
+    // compiler does not copy them as a whole: surface_counts.hpp.)
+    struct Known {
+      uint64_t low = 0;
+      uint32_t stamp = 0, node = 0;
+      uint64_t high = 0;
+    };
+    std::vector<Known> known_;
+    uint32_t block_ = 0, stamp_ = 0;
   };
   std::vector<SurfaceCounts> totals() const;
   // How many vertices are kept because facets with them lie in bins that are still to come: for tests.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <utility>
 
 #include "mesher/closing/vertex_hash.hpp"
 
@@ -11,13 +12,16 @@ namespace {
 // The mean number of bins that a facet lies in, when facets are small compared with a bin.
 constexpr double kBinsOfAFacet = 1.2;
 // The memory per facet of a loaded bin: its record, its place in the store, and what counting it takes.
-constexpr uint64_t kLoadedBytes = 200;
-// With more memory than this, bins become larger than caches, and some must be split after all: 25.6 million facets took 3 % more
-// processor time with 2 GB than with 256 MB, and wrote a quarter more.
+constexpr uint64_t kLoadedBytes = 160;
+// More memory than this for buffers brought nothing while bins were filled (25.6 million facets, four times as much).
 constexpr uint64_t kMostUseful = uint64_t{256} << 20;
+// 25.6 million facets took a sixth more processor time with bins of 21,000 facets than with bins of 84,000, because more bins were split, and up to a
+// twelfth less with 220,000.
+constexpr uint64_t kMostFacets = 200'000;
 constexpr uint64_t kLeastBuffer = 4096;
+constexpr size_t kTakenAtOnce = 32;
 
-// The nine coordinates of a facet, each a T. Both return where they end.
+// The nine coordinates of a facet, each a T. Returns where they end.
 template <class T>
 uint8_t* put_coordinates(const Facet& facet, uint8_t* to) {
   std::array<T, 9> all;
@@ -26,21 +30,21 @@ uint8_t* put_coordinates(const Facet& facet, uint8_t* to) {
   return to + sizeof all;
 }
 template <class T>
-const uint8_t* take_coordinates(const uint8_t* from, Facet& facet) {
-  std::array<T, 9> all;
+Vec3 vertex_of(const uint8_t* from) {
+  std::array<T, 3> all;
   std::memcpy(all.data(), from, sizeof all);
-  for (int i = 0; i < 9; ++i) facet.vertex[i / 3][i % 3] = all[i];
-  return from + sizeof all;
+  return {all[0], all[1], all[2]};
 }
+constexpr size_t kMostOfRecord = 9 * sizeof(double) + 2 * sizeof(uint32_t);
 
 // By a hash, so that it does not matter in what order facets come.
 bool is_one_of_eight(std::span<const uint8_t> record) {
-  uint64_t hash = 0, word;
+  uint64_t sum = 0, word;
   for (size_t i = 0; (i + 1) * sizeof word <= record.size(); ++i) {
     std::memcpy(&word, record.data() + i * sizeof word, sizeof word);
-    hash ^= fold(word ^ kHashKeys[i % 8], kHashKeys[(i + 1) % 8]);
+    sum += word * kHashKeys[i % 8] + (word >> 32) * kHashKeys[(i + 1) % 8];
   }
-  return hash % 8 == 0;
+  return fold(sum ^ kHashKeys[2], kHashKeys[3]) % 8 == 0;
 }
 
 uint64_t expected_bytes(uint64_t facets, size_t record_bytes) {
@@ -55,9 +59,11 @@ FacetBins::FacetBins(const Metadata& meta, uint64_t facets, uint64_t whole, bool
       range_(range),
       float32_(float32),
       patches_(patches),
-      record_bytes_(9 * (float32 ? sizeof(float) : sizeof(double)) + (patches ? 2 : 1) * sizeof(uint32_t)),
-      most_facets_(std::max<uint64_t>(std::min(budget.bytes, kMostUseful) / 16 / kLoadedBytes, 1024)),
+      shape_{3 * (float32 ? sizeof(float) : sizeof(double)), (patches ? 2 : 1) * sizeof(uint32_t)},
+      record_bytes_(shape_.bytes()),
+      most_facets_(std::clamp<uint64_t>(budget.bytes / 16 / kLoadedBytes, 1024, kMostFacets)),
       move_(std::move(move)),
+      welder_(shape_),
       log_(budget, expected_bytes(whole, record_bytes_), expected_bytes(facets, record_bytes_) <= budget.bytes / 2, own_writer),
       root_{.place = rays_.root()} {
   // Starts with as many bins as are likely to be needed, if their buffers fit: what a bin has when it is split is written twice. Parts of groups
@@ -77,7 +83,9 @@ FacetBins::FacetBins(const Metadata& meta, uint64_t facets, uint64_t whole, bool
 }
 
 size_t FacetBins::room_in(uint64_t bytes) const {
-  return std::clamp<uint64_t>(bytes, kLeastBuffer, PieceLog::kMostOfPiece) / record_bytes_ * record_bytes_;
+  constexpr size_t kMost = PieceLog::kMostOfPiece / 4 * 3;
+  static_assert(RecordWelder::most_bytes(kMost) <= PieceLog::kMostOfPiece);
+  return std::clamp<uint64_t>(bytes, kLeastBuffer, kMost) / record_bytes_ * record_bytes_;
 }
 
 // Gives a bin all that lies below it, and in the grid, down to a depth.
@@ -116,7 +124,7 @@ void FacetBins::encode(const Facet& facet, uint32_t tag, uint32_t patch, std::sp
   if (patches_) std::memcpy(to + sizeof tag, &patch, sizeof patch);
 }
 
-void FacetBins::make_ready(std::span<const Facet> facets, uint32_t layer, Origin origin, uint32_t patch, std::vector<uint8_t>& out) const {
+void FacetBins::make_ready(std::span<const Facet> facets, uint32_t layer, Origin origin, uint32_t patch, Ready& out) const {
   const uint32_t tag = layer | (origin == kOfFile ? 0 : kNotOfFile) | (origin == kPlaced ? kInPlace : 0);
   const size_t before = out.size(), each = sizeof(UnitRange) + record_bytes_;
   out.resize(before + facets.size() * each);
@@ -135,6 +143,7 @@ void FacetBins::add(std::span<const uint8_t> ready) {
   const int shift = rays_.shift(first_);
   const auto bin = [shift](uint64_t unit) { return unit >> shift; };  // by as many bits as a unit has, if there is one bin
   for (; !ready.empty(); ready = ready.subspan(sizeof units + record_bytes_)) {
+    __builtin_prefetch(ready.data() + std::min<size_t>(1024, ready.size() - 1));  // written by another processor
     std::memcpy(&units, ready.data(), sizeof units);
     const auto record = ready.subspan(sizeof units, record_bytes_);
     for (uint64_t v = bin(units.first_v); v <= bin(units.last_v); ++v)
@@ -145,7 +154,7 @@ void FacetBins::add(std::span<const uint8_t> ready) {
 void FacetBins::add(BinnedPart part) {
   const uint32_t tag = part.layer | kInPlace, number = static_cast<uint32_t>(parts_.size());
   parts_.push_back(std::move(part));
-  std::array<uint8_t, 9 * sizeof(double) + 2 * sizeof(uint32_t)> buffer{};
+  std::array<uint8_t, kMostOfRecord> buffer{};
   const std::span<uint8_t> record(buffer.data(), record_bytes_);
   encode({}, tag, 0, record);
   std::memcpy(record.data(), &number, sizeof number);
@@ -153,12 +162,14 @@ void FacetBins::add(BinnedPart part) {
 }
 
 FacetBins::UnitRange FacetBins::units_of(std::span<const uint8_t> record) const {
-  uint32_t tag;
-  const Facet facet = decode(record, tag);
-  Facet room;
-  if (!is_part(tag)) return units_of(rays_.range_of(placed(facet, tag, room), layer_in(tag)));
-  const BinnedPart& part = part_in(record);
-  return units_of(rays_.range_of({{part.lo, part.hi, part.hi}}, layer_in(tag)));
+  const uint32_t tag = tag_in(record.subspan(3 * shape_.vertex)), layer = layer_in(tag);
+  if (is_part(tag)) {
+    const BinnedPart& part = part_in(record);
+    return units_of(rays_.range_of({{part.lo, part.hi, part.hi}}, layer));
+  }
+  Facet facet, room;
+  for (size_t i = 0; i < 3; ++i) facet.vertex[i] = vertex_in(record.subspan(i * shape_.vertex));
+  return units_of(rays_.range_of(placed(facet, tag, room), layer));
 }
 
 // About how many facets of a part lie in a bin, by the share of its box that does.
@@ -179,7 +190,7 @@ void FacetBins::put(Bin& bin, const UnitRange& units, std::span<const uint8_t> r
   if (bin.children.empty()) return put_here(bin, units, record, part);
   const Children in = children_of(bin, units);
   if (part && in.count() > kMostCopies) {
-    std::array<uint8_t, 9 * sizeof(double) + 2 * sizeof(uint32_t)> buffer;
+    std::array<uint8_t, kMostOfRecord> buffer;
     const std::span<uint8_t> facet(buffer.data(), record_bytes_);
     return part->read([&](const Facet& f) {
       encode(f, part->layer, part->patch, facet);
@@ -234,7 +245,8 @@ uint32_t FacetBins::bins_of(const Bin& bin, const UnitRange& units) const {
 
 void FacetBins::flush(Bin& bin) {
   if (bin.buffered == 0) return;
-  bin.pieces.push_back(log_.add(std::span(bin.buffer).first(bin.buffered)));
+  welder_.weld(std::span(bin.buffer).first(bin.buffered), block_);
+  bin.pieces.push_back(log_.add(block_));
   bin.buffered = 0;
 }
 
@@ -270,14 +282,24 @@ void FacetBins::split(Bin& bin) {
   const int depth = split_depth(whole);
   rooms_ += rooms_of(bin.place, depth, whole.room);
   open(bin, depth, room_of(bin.place, depth, whole.room));
-  take_records(whole,
-               [&](std::span<const uint8_t> record) { put(bin, units_of(record), record, is_part(tag_in(record)) ? &part_in(record) : nullptr); });
+  std::array<uint8_t, kMostOfRecord> room;
+  const std::span<uint8_t> record(room.data(), record_bytes_);
+  take_blocks(whole, [&](const WeldedRecords& block) {
+    block.for_each_run([&](size_t first, size_t last, std::span<const uint8_t> rest) {
+      std::ranges::copy(rest, record.end() - static_cast<ptrdiff_t>(rest.size()));
+      for (size_t i = first; i < last; ++i) {
+        for (size_t k = 0; k < 3; ++k)
+          std::ranges::copy(block.vertex(block.vertices_of(i)[k]), record.begin() + static_cast<ptrdiff_t>(k * shape_.vertex));
+        put(bin, units_of(record), record, is_part(tag_in(rest)) ? &part_in(record) : nullptr);
+      }
+    });
+  });
 }
 
 void FacetBins::finish() {
   flush_all(root_);
   split_large(root_);
-  log_.finish();
+  log_.close();
 }
 
 // Splits what was left whole because all its buffers would have taken too much memory, one bin after another.
@@ -313,58 +335,107 @@ void FacetBins::for_each_bin(const TreePlace& place, const std::function<void(co
   visit(visit, bin_at(place));
 }
 
-void FacetBins::take(const TreePlace& place, const std::function<void(const BinnedFacet&, const Facet&, const RayRange&)>& f) {
+void FacetBins::take(const TreePlace& place, const std::function<void(std::span<const BinnedFacet>)>& f) {
   Bin& bin = const_cast<Bin&>(bin_at(place));
   const int shift = rays_.shift(place.depth), group = rays_.shift(0);
   const auto inside = [&](uint64_t u, uint64_t v) { return u >> shift == place.cu && v >> shift == place.cv; };
   // The first unit of the place's group, if it is smaller than one.
   const uint64_t group_u = place.depth < 0 ? uint64_t{place.cu} << shift >> group << group : 0;
   const uint64_t group_v = place.depth < 0 ? uint64_t{place.cv} << shift >> group << group : 0;
-  const auto take_facet = [&](const Facet& facet, uint32_t tag, uint32_t patch, const Facet& moved, const RayRange& range, const UnitRange& units) {
-    BinnedFacet out{facet, layer_in(tag), true, 1, (tag & kNotOfFile) != 0, (tag & kIgnored) != 0, patch};
-    if (!inside(units.first_u, units.first_v) || !inside(units.last_u, units.last_v)) {
+  std::array<BinnedFacet, kTakenAtOnce> taken;
+  size_t count = 0;
+  const auto hand_on = [&] { f(std::span(taken).first(std::exchange(count, 0))); };
+  // Most facets lie in this bin alone: rays [.u0, .u1) x [.v0, .v1), where the last bin of a row or column has no end.
+  const uint64_t side = rays_.size(place.depth);
+  const auto end = [&](uint64_t at, uint64_t rays) { return (at + 1) * side < rays ? (at + 1) * side : ~uint64_t{0}; };
+  const struct {
+    uint64_t u0, u1, v0, v1;
+  } bounds = {place.cu * side, end(place.cu, rays_.shape.nu), place.cv * side, end(place.cv, rays_.shape.nv)};
+  // For the facet that comes next in `taken`, of which the rest is known: in how many bins it lies, and what it is in this one.
+  const auto take_facet = [&] {
+    BinnedFacet& out = taken[count];
+    out.at_home = out.leads = true, out.bins = 1;
+    if (const RayRange& r = out.rays; r.u0 < bounds.u0 || r.u1 >= bounds.u1 || r.v0 < bounds.v0 || r.v1 >= bounds.v1) {
+      const UnitRange units = units_of(r);
       // A facet is at home in the bin of its least vertex, so facets with the same vertices have the same home.
-      const Vec3& p = moved.vertex[std::ranges::min_element(out.facet.vertex) - out.facet.vertex.begin()];
+      const Vec3& p = out.placed.vertex[std::ranges::min_element(out.facet.vertex) - out.facet.vertex.begin()];
       const UnitRange home = units_of(rays_.range_of({{p, p, p}}, out.layer));
       out.at_home = inside(home.first_u, home.first_v);
       out.bins = out.at_home ? bins_of(root_, units) : 2;
       out.leads = place.depth >= 0 || inside(std::max<uint64_t>(units.first_u, group_u), std::max<uint64_t>(units.first_v, group_v));
     }
-    f(out, moved, out.ignored ? RayRange{} : range);
+    if (out.ignored) out.rays = {};
+    if (++count == kTakenAtOnce) hand_on();
   };
-  take_records(bin, [&](std::span<const uint8_t> record) {
-    uint32_t tag;
-    const Facet facet = decode(record, tag);
-    Facet room;
-    if (!is_part(tag)) {
-      const Facet& moved = placed(facet, tag, room);
-      const RayRange range = rays_.range_of(moved, layer_in(tag));
-      return take_facet(facet, tag, patch_in(record), moved, range, units_of(range));
+  const auto take_part = [&](const BinnedPart& part) {
+    part.read([&](const Facet& facet) {
+      BinnedFacet& out = taken[count];
+      out = {.facet = facet, .layer = layer_in(part.layer), .ignored = (part.layer & kIgnored) != 0, .patch = part.patch};
+      out.placed = move_ ? move_(facet, out.layer) : facet;
+      out.rays = rays_.range_of(out.placed, out.layer);
+      if (meets(place, units_of(out.rays))) take_facet();
+    });
+  };
+  struct Corner {
+    Vec3 at;
+    RayRange rays;  // of the point alone
+  };
+  std::vector<Corner> corners;
+  uint32_t blocks = 0;
+  take_blocks(bin, [&](const WeldedRecords& block) {
+    ++blocks;
+    corners.resize(block.vertices());
+    // Facets that are moved, or that share few vertices, have their rays found as a whole.
+    const bool by_vertices = !move_ && block.vertices() < 2 * block.records();
+    for (size_t v = 0; v < corners.size(); ++v) {
+      corners[v].at = vertex_in(block.vertex(v));
+      if (by_vertices) corners[v].rays = rays_.range_of(corners[v].at);
     }
-    const BinnedPart& part = part_in(record);
-    part.read([&](const Facet& of_part) {
-      const Facet& moved = placed(of_part, part.layer, room);
-      const RayRange range = rays_.range_of(moved, layer_in(part.layer));
-      const UnitRange units = units_of(range);
-      if (meets(place, units)) take_facet(of_part, part.layer, part.patch, moved, range, units);
+    block.for_each_run([&](size_t first, size_t last, std::span<const uint8_t> rest) {
+      const uint32_t tag = tag_in(rest), layer = layer_in(tag), patch = patch_in(rest);
+      const bool is_of_parts = is_part(tag), moves = move_ && !(tag & kInPlace);
+      for (size_t i = first; i < last; ++i) {
+        const std::array<uint32_t, 3>& vertices = block.vertices_of(i);
+        if (is_of_parts) {
+          take_part(part_in(block.vertex(vertices[0])));
+          continue;
+        }
+        const Corner &a = corners[vertices[0]], &b = corners[vertices[1]], &c = corners[vertices[2]];
+        BinnedFacet& out = taken[count];
+        out.facet.vertex[0] = a.at, out.facet.vertex[1] = b.at, out.facet.vertex[2] = c.at;
+        out.layer = layer, out.added = (tag & kNotOfFile) != 0, out.ignored = (tag & kIgnored) != 0, out.patch = patch;
+        out.block = blocks, out.vertices = vertices;
+        if (moves) out.placed = move_(out.facet, layer);
+        else out.placed.vertex[0] = a.at, out.placed.vertex[1] = b.at, out.placed.vertex[2] = c.at;
+        out.rays = by_vertices ? rays_.range_of(a.rays, b.rays, c.rays, layer) : rays_.range_of(out.placed, layer);
+        take_facet();
+      }
     });
   });
+  hand_on();
 }
 
 template <class F>
-void FacetBins::take_records(Bin& bin, F&& f) {
+void FacetBins::take_blocks(Bin& bin, F&& f) {
   std::vector<uint8_t> room;
+  WeldedRecords block(shape_);
   for (const PieceLog::Piece& piece : bin.pieces) {
-    const std::span<const uint8_t> bytes = log_.read(piece, room);
-    for (size_t at = 0; at < bytes.size(); at += record_bytes_) f(bytes.subspan(at, record_bytes_));
+    block.read(log_.read(piece, room));
+    f(block);
   }
   bin.pieces = std::vector<PieceLog::Piece>();
 }
 
-uint32_t FacetBins::tag_in(std::span<const uint8_t> record) const {
+uint32_t FacetBins::tag_in(std::span<const uint8_t> rest) {
   uint32_t tag;
-  std::memcpy(&tag, record.last((patches_ ? 2 : 1) * sizeof tag).data(), sizeof tag);
+  std::memcpy(&tag, rest.data(), sizeof tag);
   return tag;
+}
+
+uint32_t FacetBins::patch_in(std::span<const uint8_t> rest) const {
+  uint32_t patch = 0;
+  if (patches_) std::memcpy(&patch, rest.data() + sizeof patch, sizeof patch);
+  return patch;
 }
 
 const BinnedPart& FacetBins::part_in(std::span<const uint8_t> record) const {
@@ -373,17 +444,8 @@ const BinnedPart& FacetBins::part_in(std::span<const uint8_t> record) const {
   return parts_[number];
 }
 
-uint32_t FacetBins::patch_in(std::span<const uint8_t> record) const {
-  uint32_t patch = 0;
-  if (patches_) std::memcpy(&patch, record.last(sizeof patch).data(), sizeof patch);
-  return patch;
-}
-
-Facet FacetBins::decode(std::span<const uint8_t> record, uint32_t& tag) const {
-  Facet facet;
-  const uint8_t* const from = float32_ ? take_coordinates<float>(record.data(), facet) : take_coordinates<double>(record.data(), facet);
-  std::memcpy(&tag, from, sizeof tag);
-  return facet;
+Vec3 FacetBins::vertex_in(std::span<const uint8_t> bytes) const {
+  return float32_ ? vertex_of<float>(bytes.data()) : vertex_of<double>(bytes.data());
 }
 
 }  // namespace teracell::mesher

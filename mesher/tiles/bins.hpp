@@ -10,19 +10,25 @@
 
 #include "mesher/tiles/piece_log.hpp"
 #include "mesher/tiles/rays.hpp"
+#include "mesher/tiles/welded_records.hpp"
 
 namespace teracell::mesher {
 
 // A facet of a bin.
 struct BinnedFacet {
-  Facet facet;  // in its file's coordinates
-  uint32_t layer;  // of its body (closing.hpp)
-  bool at_home;  // true in exactly one of the bins that it lies in
-  uint32_t bins;  // that it lies in; where it is not at home, 2 stands for several
-  bool added;  // it closes a hole and is not in the body's file
-  bool ignored;  // it counts for nothing
-  uint32_t patch;  // as in SceneFacet; 0 if they are not kept
+  Facet facet{};  // in its file's coordinates
+  uint32_t layer = 0;  // of its body (closing.hpp)
+  bool at_home = true;  // in exactly one of the bins that it lies in
+  uint32_t bins = 1;  // that it lies in; where it is not at home, 2 stands for several
+  bool added = false;  // it closes a hole and is not in the body's file
+  bool ignored = false;  // it counts for nothing
+  uint32_t patch = 0;  // as in SceneFacet; 0 if they are not kept
   bool leads = true;  // in exactly one of those bins of a tile group in which the facet lies
+  // The facets of a block, which are those of a piece of the log, come one after another. Within it vertices with equal numbers are equal.
+  uint32_t block = 0;  // 0: of none
+  std::array<uint32_t, 3> vertices{};
+  Facet placed{};  // as the grid sees it
+  RayRange rays{};  // none if it is ignored
 };
 
 // A part that stands for its facets.
@@ -48,7 +54,8 @@ class FacetBins {
   enum Origin { kOfFile, kAdded, kPlaced };
   // make_ready() appends facets to `out`, each with the units that it lies in, on any thread. add() takes what it appended, in pieces of whole
   // facets. REQUIRES: the facets' coordinates are in single precision if those that are kept are.
-  void make_ready(std::span<const Facet> facets, uint32_t layer, Origin origin, uint32_t patch, std::vector<uint8_t>& out) const;
+  using Ready = UnfilledVector<uint8_t>;
+  void make_ready(std::span<const Facet> facets, uint32_t layer, Origin origin, uint32_t patch, Ready& out) const;
   void add(std::span<const uint8_t> ready);
   void add(BinnedPart part);
   // To be called after the last facet.
@@ -60,8 +67,9 @@ class FacetBins {
   bool has_facets(const TreePlace& place) const { return has_facets(bin_at(place)); }
   // Calls f with each bin of a place that has facets; this may be the place itself.
   void for_each_bin(const TreePlace& place, const std::function<void(const TreePlace&)>& f) const;
-  // Calls f with each facet of a bin, with the facet as the grid sees it, and with its rays (none if it is ignored). Call once.
-  void take(const TreePlace& place, const std::function<void(const BinnedFacet&, const Facet& moved, const RayRange&)>& f);
+  // Calls f with all facets of a bin, some at a time. (One at a time, each was read right after it was written, in larger words than those that it
+  // was written in, and waited until those had reached the cache.) Call once.
+  void take(const TreePlace& place, const std::function<void(std::span<const BinnedFacet>)>& f);
   uint64_t bytes() const { return log_.bytes(); }  // ever written
   bool in_memory() const { return log_.in_memory(); }
 
@@ -113,7 +121,7 @@ class FacetBins {
   size_t room_of(const TreePlace& place, int depth, size_t room) const;
   uint64_t rooms_of(const TreePlace& place, int depth, size_t room) const;
   template <class F>
-  void take_records(Bin& bin, F&& f);
+  void take_blocks(Bin& bin, F&& f);
   // A record is nine coordinates, a tag (the layer, with two bits for the origin), and the patch if patches are kept. The record of a part
   // begins with its number, and its tag has the bits that no facet has.
   static constexpr uint32_t kNotOfFile = uint32_t{1} << 31, kInPlace = uint32_t{1} << 29;
@@ -124,19 +132,22 @@ class FacetBins {
     return tag & kInPlace || !move_ ? facet : room = move_(facet, layer_in(tag));
   }
   void encode(const Facet& facet, uint32_t tag, uint32_t patch, std::span<uint8_t> record) const;
-  Facet decode(std::span<const uint8_t> record, uint32_t& tag) const;
-  uint32_t tag_in(std::span<const uint8_t> record) const;
+  static uint32_t tag_in(std::span<const uint8_t> rest);  // of a record: what follows its vertices
+  uint32_t patch_in(std::span<const uint8_t> rest) const;
   const BinnedPart& part_in(std::span<const uint8_t> record) const;
-  uint32_t patch_in(std::span<const uint8_t> record) const;
+  Vec3 vertex_in(std::span<const uint8_t> bytes) const;
 
   GridRays rays_;
   const TreeRange range_;
   const bool float32_, patches_;
+  const RecordShape shape_;
   const size_t record_bytes_;
   const uint64_t most_facets_;  // of a bin that is loaded
   int fine_;  // the depth at which there are likely to be as many bins as are needed
   uint64_t rooms_, most_rooms_;  // bytes of the buffers of all bins
   const Move move_;
+  RecordWelder welder_;
+  UnfilledVector<uint8_t> block_;  // that was welded last
   PieceLog log_;
   std::vector<BinnedPart> parts_;
   Bin root_;

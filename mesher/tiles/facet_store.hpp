@@ -3,7 +3,6 @@
 // memory meanwhile.) There are two types, so that coordinates of a file are never mistaken for those of the grid.
 #pragma once
 #include <algorithm>
-#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -21,12 +20,6 @@ class FacetStore {
 
   uint64_t size() const { return size_; }
   const SceneFacet& operator[](uint64_t i) const { return pieces_[i / kPiece][i % kPiece]; }
-  // The number of a facet of the store. Takes time: it looks through the pieces.
-  uint64_t number_of(const SceneFacet& facet) const {
-    for (uint64_t piece = 0;; ++piece)
-      if (const SceneFacet* first = pieces_[piece]; !std::less<>()(&facet, first) && std::less<>()(&facet, first + kPiece))
-        return piece * kPiece + static_cast<uint64_t>(&facet - first);
-  }
   // Appends as many of `facets` as fit into the last piece, at least one, and returns their place. They stay there as long as
   // the store lives. One thread may append while others use facets that were returned.
   std::span<SceneFacet> append(std::span<const Facet> facets, uint32_t layer, uint32_t patch = 0);
@@ -55,10 +48,15 @@ class FacetStore {
   // The first pieces are small, so that small scenes waste little memory. More come from regions of whole huge pages.
   static constexpr uint64_t kPiece = 4096, kSmall = 4, kPiecesOfRegion = 32;
   static_assert(kPiecesOfRegion * kPiece * sizeof(SceneFacet) % system::kHugePage == 0);
+  // Keeps some regions for the next stores: bins of facets come and go by the hundred, and the kernel would clear all pages anew for each.
+  struct Region {
+    static void* allocate();
+    void operator()(void* region) const;
+  };
   void add_piece();
   std::vector<SceneFacet*> pieces_;
   std::vector<std::unique_ptr<SceneFacet[]>> small_;
-  std::vector<std::unique_ptr<void, HugeMemory>> regions_;
+  std::vector<std::unique_ptr<void, Region>> regions_;
   uint64_t size_ = 0;
 };
 

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "store/base/background.hpp"
-#include "store/base/populate.hpp"
 #include "store/base/spill.hpp"
 
 namespace teracell::mesher {
@@ -18,7 +17,7 @@ class PieceLog {
     uint64_t offset, bytes, checksum;
   };
   // Throws unless the budget's folder has `expected` bytes of free space; with `in_memory` none is used. With `own_writer` another thread writes to
-  // the disk. Up to 18 blocks of 64 to 256 KiB, by the budget, wait for it.
+  // the disk, or asks for memory. Up to 18 blocks of 64 to 256 KiB, by the budget, wait for it.
   PieceLog(const Budget& budget, uint64_t expected, bool in_memory, bool own_writer);
 
   // REQUIRES: 1 to kMostOfPiece bytes.
@@ -26,6 +25,8 @@ class PieceLog {
   Piece add(std::span<const uint8_t> bytes);
   // To be called before pieces are read, and again when more were added.
   void finish();
+  // No more is added: frees memory that was asked for ahead.
+  void close();
   // The bytes of a piece, in `room` or where they lie; for any thread. Throws IoError if they are not those that were added.
   std::span<const uint8_t> read(const Piece& piece, std::vector<uint8_t>& room) const;
 
@@ -35,15 +36,19 @@ class PieceLog {
  private:
   void hand_on();
   void begin_block();
+  void hold_block();
   static constexpr size_t kBlockInMemory = size_t{1} << 24;  // so large that a piece wastes little of a block's end
+  const uint64_t expected_;  // bytes, about
   const size_t block_;  // of the file: whole pages, and few calls
   std::optional<SpillFile> file_;
-  std::vector<std::unique_ptr<void, HugeMemory>> held_;  // blocks in memory, all but the last one full
+  using Block = std::unique_ptr<uint8_t[]>;
+  std::vector<Block> held_;  // blocks in memory, all but the last one full
+  Block next_held_;  // made ready by the other thread
   size_t used_ = kBlockInMemory;  // of the last one
-  JobLists<uint8_t> lists_;
+  JobLists<std::vector<uint8_t>> lists_;
   std::shared_ptr<std::vector<uint8_t>> waiting_;  // for the file: the bytes from handed_on_ to end_
   uint64_t handed_on_ = 0, end_ = 0;
-  Background writer_;  // the last member, since its thread uses the file
+  Background writer_;  // the last member, since its thread uses the others
 };
 
 }  // namespace teracell::mesher

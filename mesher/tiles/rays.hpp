@@ -98,10 +98,14 @@ struct GridRays {
     // Two at a time: for a list, std::min branches, and every other branch is mispredicted.
     const auto least = [&](int d) { return std::min(std::min(a[d], b[d]), c[d]); };
     const auto most = [&](int d) { return std::max(std::max(a[d], b[d]), c[d]); };
-    const RayRange r = {u.first(least(frame.u)), u.last(most(frame.u)), v.first(least(frame.v)), v.last(most(frame.v))};
-    if (widened.empty()) return r;
-    const uint32_t more = widened[body_of_layer(layer)];
-    return {r.u0 - std::min(r.u0, more), std::min(r.u1 + more, shape.nu), r.v0 - std::min(r.v0, more), std::min(r.v1 + more, shape.nv)};
+    return widened_for({u.first(least(frame.u)), u.last(most(frame.u)), v.first(least(frame.v)), v.last(most(frame.v))}, layer);
+  }
+  // Those of a point, and those of a facet from those of its vertices.
+  RayRange range_of(const Vec3& p) const { return {u.first(p[frame.u]), u.last(p[frame.u]), v.first(p[frame.v]), v.last(p[frame.v])}; }
+  RayRange range_of(const RayRange& a, const RayRange& b, const RayRange& c, uint32_t layer) const {
+    return widened_for({std::min(std::min(a.u0, b.u0), c.u0), std::max(std::max(a.u1, b.u1), c.u1), std::min(std::min(a.v0, b.v0), c.v0),
+                        std::max(std::max(a.v1, b.v1), c.v1)},
+                       layer);
   }
   // REQUIRES: !range.empty().
   ChunkRange chunks_of(const RayRange& r) const { return {chunk.of(r.u0), chunk.of(r.u1 - 1), chunk.of(r.v0), chunk.of(r.v1 - 1)}; }
@@ -116,6 +120,11 @@ struct GridRays {
   }
 
  private:
+  RayRange widened_for(const RayRange& r, uint32_t layer) const {
+    if (widened.empty()) return r;
+    const uint32_t more = widened[body_of_layer(layer)];
+    return {r.u0 - std::min(r.u0, more), std::min(r.u1 + more, shape.nu), r.v0 - std::min(r.v0, more), std::min(r.v1 + more, shape.nv)};
+  }
   // Of a chunk's side, what is left when it is divided by four as often as that goes.
   static uint32_t lowest_side(uint32_t chunk_rays) {
     while (chunk_rays % kFanOut == 0) chunk_rays /= kFanOut;

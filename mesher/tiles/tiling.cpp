@@ -108,11 +108,13 @@ Tiling::Node Tiling::load(const TreePlace& place) const {
   bins_->for_each_bin(place, [&](const TreePlace& bin) {
     std::optional<BinnedCounter::Bin> counts;
     if (counter_) counts.emplace(*counter_, bins_->facets(bin));
-    bins_->take(bin, [&](const BinnedFacet& f, const Facet& moved, const RayRange& range) {
-      if (counts) counts->add(f);
-      if (!kept || !f.leads || range.empty()) return;
-      store->append({moved, f.layer, f.patch});
-      node.add(moved, range);
+    bins_->take(bin, [&](std::span<const BinnedFacet> facets) {
+      for (const BinnedFacet& f : facets) {
+        if (counts) counts->add(f);
+        if (!kept || !f.leads || f.rays.empty()) continue;
+        store->append({f.placed, f.layer, f.patch});
+        node.add(f.placed, f.rays);
+      }
     });
     if (counts) counts->finish();
   });

@@ -138,19 +138,19 @@ class Background {
 };
 
 // Lists for jobs of Background::run(), one for each job, used again and again: pages that are new to each job took half of the time of reading.
-template <class T>
+template <class List>
 class JobLists {
  public:
   // An empty list for the next job. REQUIRES: the job for the list before it was handed over.
-  std::shared_ptr<std::vector<T>> next() {
-    std::vector<T>& list = (*lists_)[turn_++ % lists_->size()];
+  std::shared_ptr<List> next() {
+    List& list = (*lists_)[turn_++ % lists_->size()];
     list.clear();
     return {lists_, &list};
   }
 
  private:
   // When a job is handed over, as many may wait, the one before them may be at work, and one more list is filled.
-  using Lists = std::array<std::vector<T>, Background::kMostWaiting + 2>;
+  using Lists = std::array<List, Background::kMostWaiting + 2>;
   std::shared_ptr<Lists> lists_ = std::make_shared<Lists>();
   size_t turn_ = 0;
 };

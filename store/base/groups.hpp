@@ -13,6 +13,7 @@ class Groups {
  public:
   explicit Groups(size_t things = 0) : parent_(things) { std::iota(parent_.begin(), parent_.end(), 0); }
   uint32_t size() const { return static_cast<uint32_t>(parent_.size()); }  // things
+  void reserve(uint64_t things) { parent_.reserve(things); }
   // One more thing, which is a group of its own. Returns its number.
   uint32_t add() {
     parent_.push_back(size());

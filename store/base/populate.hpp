@@ -4,6 +4,8 @@
 #include <cstddef>
 #include <memory>
 #include <new>
+#include <utility>
+#include <vector>
 
 #include "store/base/system/system.hpp"
 
@@ -38,5 +40,24 @@ struct Populated : std::allocator<T> {
   static constexpr size_t kWorthAsking = size_t{1} << 17;
   static bool is_huge(size_t n) { return n * sizeof(T) >= system::kHugePage / 4 * 3; }
 };
+
+// An allocator for a std::vector whose new elements are left as they are, because all of them are about to be written.
+template <class T>
+struct Unfilled : std::allocator<T> {
+  template <class U>
+  struct rebind {
+    using other = Unfilled<U>;
+  };
+  template <class U>
+  void construct(U* at) {
+    ::new (static_cast<void*>(at)) U;
+  }
+  template <class U, class... Values>
+  void construct(U* at, Values&&... values) {
+    ::new (static_cast<void*>(at)) U(std::forward<Values>(values)...);
+  }
+};
+template <class T>
+using UnfilledVector = std::vector<T, Unfilled<T>>;
 
 }  // namespace teracell::store

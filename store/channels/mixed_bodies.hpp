@@ -34,16 +34,17 @@ template <class Less>
 void fill_counts(ByteReader& in, const Less& less, MixedCells& out) {
   in.clause("13.4");
   size_t next = 0;
-  for (const MixedCells::Run& run : out.runs) {
-    const size_t n = out.sets[run.set].size();
+  for (uint32_t run = 0; run < out.runs; ++run) {
+    const MixedCells::Shares shares = out.shares_of(run);
+    const size_t n = out.sets[shares.set].size();
     uint32_t left = out.total;
     for (size_t i = 0; i + 1 < n; ++i, ++next) {
       const uint32_t count = less(next) + 1;
       if (count >= left) in.fail("the shares of a cell are more than the whole");
-      out.counts[run.first + i] = count;
+      out.counts[shares.first + i] = count;
       left -= count;
     }
-    out.counts[run.first + n - 1] = left;
+    out.counts[shares.first + n - 1] = left;
   }
 }
 

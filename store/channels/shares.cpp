@@ -8,22 +8,26 @@ void decode_shares(std::span<const uint8_t> frame, uint32_t nu, uint32_t nv, uin
   out.reset(nu, nv, length, total);
   take_sets(in, labels, out);
   const size_t sets = out.sets.size();
+  std::vector<uint32_t> of_rays;  // runs
   uint64_t runs = 0;
   for (uint32_t ray = 0; ray < nu * nv; ++ray) {
-    runs += in.varint(0, in.remaining(), "runs of a ray");
+    of_rays.push_back(static_cast<uint32_t>(in.varint(0, in.remaining(), "runs of a ray")));
+    runs += of_rays.back();
     if (runs > in.remaining()) in.fail("there are more runs than bytes");
-    out.begin.push_back(static_cast<uint32_t>(runs));
   }
   if (runs == 0) in.fail("there is no mixed cell");
-  out.runs.resize(runs);
-  for (MixedCells::Run& run : out.runs) run.from = static_cast<uint32_t>(in.varint(0, ~uint32_t{0}, "begin of a run"));
-  for (MixedCells::Run& run : out.runs) run.to = static_cast<uint32_t>(in.varint(0, length - 1, "length of a run")) + 1;
+  struct Place {
+    uint32_t from, cells;
+  };
+  std::vector<Place> places(runs);
+  for (Place& p : places) p.from = static_cast<uint32_t>(in.varint(0, ~uint32_t{0}, "begin of a run"));
+  for (Place& p : places) p.cells = static_cast<uint32_t>(in.varint(0, length - 1, "length of a run")) + 1;
   uint64_t counts = 0, coded = 0;
-  for (MixedCells::Run& run : out.runs) {
-    run.set = sets == 1 ? 0 : static_cast<uint32_t>(in.varint(0, sets - 1, "set of a run"));
-    const size_t n = out.sets[run.set].size();
+  for (uint64_t i = 0; i < runs; ++i) {
+    const uint32_t set = sets == 1 ? 0 : static_cast<uint32_t>(in.varint(0, sets - 1, "set of a run"));
+    const size_t n = out.sets[set].size();
     if (n > total) in.fail("a cell has more labels than sub-samples");
-    run.first = static_cast<uint32_t>(counts);
+    out.name_set(1, set, counts);
     counts += n, coded += n - 1;
     if (coded > in.remaining()) in.fail("there are more counts than bytes");
   }
@@ -31,18 +35,19 @@ void decode_shares(std::span<const uint8_t> frame, uint32_t nu, uint32_t nv, uin
   in.expect_end();
 
   in.clause("13.3");
-  uint32_t first = 0;
-  for (uint32_t ray = 0; ray < nu * nv; ++ray) {
+  uint32_t first = 0, run = 0;
+  for (const uint32_t of_ray : of_rays) {
     uint64_t end = 0;
-    for (uint32_t i = out.begin[ray]; i < out.begin[ray + 1]; ++i) {
-      MixedCells::Run& run = out.runs[i];
-      const bool leads = i == out.begin[ray];
-      const uint64_t from = leads ? uint64_t{first + static_cast<uint32_t>(from_zigzag(run.from))} : end + run.from;
-      end = from + run.to;
+    for (uint32_t i = 0; i < of_ray; ++i, ++run) {
+      const Place& place = places[run];
+      const uint64_t from = i == 0 ? uint64_t{first + static_cast<uint32_t>(from_zigzag(place.from))} : end + place.from;
+      if (i == 0) first = static_cast<uint32_t>(from);
+      if (i == 0 || from > end) out.stretches.push_back({static_cast<uint32_t>(from), run});
+      if (place.cells > 1) out.longer.push_back({run, place.cells});
+      end = from + place.cells;
       if (end > length) in.fail("a run of mixed cells ends beyond its ray");
-      run.from = static_cast<uint32_t>(from), run.to = static_cast<uint32_t>(end);
-      if (leads) first = run.from;
     }
+    out.end_ray();
   }
   out.counts.resize(counts);
   fill_counts(

@@ -1,6 +1,7 @@
 // The coding `stretches` (FORMAT.md 13.5 to 13.7).
 #include <algorithm>
 #include <bit>
+#include <cstring>
 
 #include <fmt/format.h>
 
@@ -11,7 +12,7 @@ namespace teracell::inline store {
 namespace {
 
 constexpr int kCellsZstdLevel = 1;
-constexpr uint64_t kMostRuns = uint64_t{1} << 24;  // with their counts they have some 24 bytes each in memory
+constexpr uint64_t kMostRuns = uint64_t{1} << 24;  // with their counts they have some 16 bytes each in memory
 
 // A number of sub-samples, less one, has so many bits.
 int bits_of(uint32_t total) { return std::countr_zero(total); }
@@ -21,18 +22,6 @@ uint32_t zigzag(int32_t v) { return (static_cast<uint32_t>(v) << 1) ^ static_cas
 
 // ---- encoding
 
-// Numbers one after another. Room for those of a ray is made at once: asking for it number by number took half of the encoder's time.
-struct Numbers {
-  Bytes bytes;
-  size_t size = 0;  // of what `bytes` has; the rest of them is anything
-  // Where the next `most` bytes may be written.
-  uint8_t* room(size_t most) {
-    if (bytes.size() < size + most) bytes.resize(2 * (size + most));
-    return bytes.data() + size;
-  }
-  void end_at(const uint8_t* end) { size = static_cast<size_t>(end - bytes.data()); }
-};
-
 constexpr size_t kMostVarint = 5;  // bytes of a number of 32 bits
 
 uint8_t* varint_at(uint8_t* at, uint32_t value) {
@@ -41,8 +30,16 @@ uint8_t* varint_at(uint8_t* at, uint32_t value) {
   return at;
 }
 
+// Of so many numbers, as varints. Asking for it number by number took half of the encoder's time.
+uint8_t* room(UnfilledVector<uint8_t>& of, size_t numbers) {
+  if (of.size() < kMostVarint * numbers) of.resize(kMostVarint * numbers);
+  return of.data();
+}
+
+// A compiler took byte by byte apart and together again, which was a third of the encoder's time.
 void put_u64(uint8_t* at, uint64_t value) {
-  for (int i = 0; i < 8; ++i) at[i] = static_cast<uint8_t>(value >> (8 * i));
+  if constexpr (std::endian::native == std::endian::big) value = __builtin_bswap64(value);
+  std::memcpy(at, &value, sizeof value);
 }
 
 // Appends numbers of so many bits, the first one in the lowest bits: number(i) for all i below `count`. Eight of them fill whole bytes.
@@ -70,8 +67,8 @@ void pack(size_t count, int bits, const Number& number, Bytes& out) {
 
 struct MixedCellsEncoder::Scratch {
   ZstdEncoder zstd;
-  Bytes body, longer;
-  Numbers begins, sizes;
+  Bytes body;
+  UnfilledVector<uint8_t> begins, sizes;
   std::vector<uint32_t> latest;  // where the latest stretches begin that were the first, the second and so on of their rays
   std::vector<uint16_t> counts;
 
@@ -82,49 +79,30 @@ struct MixedCellsEncoder::Scratch {
 MixedCellsEncoder::MixedCellsEncoder() : s_(std::make_unique<Scratch>()) {}
 MixedCellsEncoder::~MixedCellsEncoder() = default;
 
-// Where the runs lie. Most stretches have two or three, and no processor foresees which; so the loop is the same for the first run of a stretch and
-// for the others.
+// Where the runs lie.
 void MixedCellsEncoder::Scratch::put_stretches(const MixedCells& cells) {
-  begins.size = sizes.size = 0;
-  longer.clear(), latest.clear();
-  uint32_t between = 0, longer_runs = 0;  // between: runs of one cell since the latest longer one
+  latest.clear();
+  const size_t all = cells.stretches.size();
+  uint8_t *begin = room(begins, all), *size = room(sizes, all);
   for (uint32_t ray = 0; ray < cells.nu * cells.nv; ++ray) {
-    const auto runs = cells.of_ray(ray);
-    if (runs.empty()) {
-      put_varint(body, 0);
-      continue;
+    const size_t first = cells.begin[ray], of_ray = cells.begin[ray + 1] - first;
+    put_varint(body, of_ray);
+    if (latest.size() < of_ray) latest.resize(2 * of_ray);
+    for (size_t i = 0; i < of_ray; ++i) {
+      const MixedCells::Stretch& stretch = cells.stretches[first + i];
+      begin = varint_at(begin, zigzag(static_cast<int32_t>(stretch.from - latest[i])));
+      size = varint_at(size, cells.first_run(first + i + 1) - stretch.first_run - 1);
+      latest[i] = stretch.from;
     }
-    if (latest.size() < runs.size()) latest.resize(2 * runs.size());
-    uint8_t *begin = begins.room(kMostVarint * runs.size()), *size = sizes.room(kMostVarint * runs.size());
-    uint32_t before = ~uint32_t{0}, stretches = 0, others = 0;  // others: runs of the stretch after its first one
-    uint8_t* size_end = size;
-    for (const MixedCells::Run& run : runs) {
-      const bool is_first = run.from != before;
-      before = run.to;
-      stretches += is_first;
-      uint32_t& start = latest[stretches - 1];
-      const uint32_t number = zigzag(static_cast<int32_t>(run.from - start));
-      start = is_first ? run.from : start;
-      *begin = static_cast<uint8_t>(number);
-      if (number < 0x80) begin += is_first;
-      else if (is_first) begin = varint_at(begin, number);
-      size = is_first ? size_end : size;
-      others = is_first ? 0 : others + 1;
-      *size = static_cast<uint8_t>(others);
-      size_end = others < 0x80 ? size + 1 : varint_at(size, others);
-      ++between;
-      if (run.to - run.from > 1) {
-        put_varint(longer, between - 1), put_varint(longer, run.to - run.from - 2);
-        between = 0, ++longer_runs;
-      }
-    }
-    put_varint(body, stretches);
-    begins.end_at(begin), sizes.end_at(size_end);
   }
-  for (const Numbers* part : {&begins, &sizes})
-    body.insert(body.end(), part->bytes.begin(), part->bytes.begin() + static_cast<ptrdiff_t>(part->size));
-  put_varint(body, longer_runs);
-  body.insert(body.end(), longer.begin(), longer.end());
+  body.insert(body.end(), begins.data(), begin);
+  body.insert(body.end(), sizes.data(), size);
+  put_varint(body, cells.longer.size());
+  uint32_t next = 0;
+  for (const MixedCells::Longer& run : cells.longer) {
+    put_varint(body, run.run - next), put_varint(body, run.cells - 2);
+    next = run.run + 1;
+  }
 }
 
 // Of each run the counts of all labels but the last, which has what is left. Those of the runs stand side by side.
@@ -133,11 +111,13 @@ void MixedCellsEncoder::Scratch::put_counts(const MixedCells& cells, Bytes& out)
   if (cells.sets.size() == 1 && cells.sets[0].size() == 2) {
     const uint32_t* const first = cells.counts.data();
     return pack(
-        cells.runs.size(), bits, [&](size_t i) { return uint64_t{first[2 * i] - 1}; }, out);
+        cells.runs, bits, [&](size_t i) { return uint64_t{first[2 * i] - 1}; }, out);
   }
   counts.clear();
-  for (const MixedCells::Run& run : cells.runs)
-    for (const uint32_t count : cells.counts_of(run).first(cells.sets[run.set].size() - 1)) counts.push_back(static_cast<uint16_t>(count - 1));
+  for (uint32_t run = 0; run < cells.runs; ++run) {
+    const MixedCells::Shares shares = cells.shares_of(run);
+    for (size_t i = 0; i + 1 < cells.sets[shares.set].size(); ++i) counts.push_back(static_cast<uint16_t>(cells.counts[shares.first + i] - 1));
+  }
   pack(
       counts.size(), bits, [&](size_t i) { return uint64_t{counts[i]}; }, out);
 }
@@ -149,13 +129,13 @@ Bytes MixedCellsEncoder::encode(const MixedCells& cells) {
   for (uint32_t i = 0; i < cells.sets.size(); ++i) put_set(s.body, {cells.sets[i].begin(), cells.sets[i].end()});
   s.put_stretches(cells);
   if (cells.sets.size() > 1)
-    for (const MixedCells::Run& run : cells.runs) put_varint(s.body, run.set);
-  const uint64_t bytes = s.body.size() + counts_bytes(cells.counts.size() - cells.runs.size(), cells.total);
-  if (bytes > kCellsBound.most || cells.runs.size() > kMostRuns)
+    for (uint32_t run = 0; run < cells.runs; ++run) put_varint(s.body, cells.shares_of(run).set);
+  const uint64_t bytes = s.body.size() + counts_bytes(cells.counts.size() - cells.runs, cells.total);
+  if (bytes > kCellsBound.most || cells.runs > kMostRuns)
     throw InputError(fmt::format(
         "a chunk of {} x {} rays has {} runs of mixed cells in {} bytes, and at most {} runs and {} MiB fit in it: the surface is finer than the "
         "chunks can hold",
-        cells.nu, cells.nv, cells.runs.size(), bytes, kMostRuns, kCellsBound.most >> 20));
+        cells.nu, cells.nv, cells.runs, bytes, kMostRuns, kCellsBound.most >> 20));
   const Bytes frame = s.zstd.encode(s.body, kCellsZstdLevel, kCellsBound);
   Bytes out;
   out.reserve(8 + frame.size() + cells.counts.size() * sizeof(uint16_t) + 16);
@@ -186,7 +166,6 @@ void decode_mixed_cells(std::span<const uint8_t> frame, uint32_t nu, uint32_t nv
   for (uint32_t i = 0; i < sets; ++i)
     if (out.sets[i].size() > total) in.fail("a cell has more labels than sub-samples");
 
-  std::vector<uint32_t> begins, sizes;
   uint64_t stretches = 0, runs = 0;
   for (uint32_t ray = 0; ray < nu * nv; ++ray) {
     stretches += in.varint(0, in.remaining(), "stretches of a ray");
@@ -197,32 +176,38 @@ void decode_mixed_cells(std::span<const uint8_t> frame, uint32_t nu, uint32_t nv
   // Each has two bytes and a run.
   if (stretches > std::min<uint64_t>(in.remaining() / 2, kMostRuns))
     in.fail(fmt::format("there are {} stretches, more than bytes for them", stretches));
-  begins.resize(stretches), sizes.resize(stretches);
-  for (uint32_t& begin : begins) begin = static_cast<uint32_t>(in.varint(0, ~uint32_t{0}, "begin of a stretch"));
-  for (uint32_t& count : sizes) {
-    count = static_cast<uint32_t>(in.varint(0, length - 1, "runs of a stretch")) + 1;
-    runs += count;
+  out.stretches.resize(stretches);
+  for (MixedCells::Stretch& s : out.stretches) s.from = static_cast<uint32_t>(in.varint(0, ~uint32_t{0}, "begin of a stretch"));
+  for (MixedCells::Stretch& s : out.stretches) {
+    s.first_run = static_cast<uint32_t>(runs);
+    runs += in.varint(0, length - 1, "runs of a stretch") + 1;
+    if (runs > kMostRuns) in.fail(fmt::format("there are {} runs, but at most {} fit in a chunk", runs, kMostRuns));
   }
   // So many can differ from each other: by the numbers of their sets, by their counts, or by where they lie.
   const size_t of_set = out.sets[0].size();
   const uint64_t most = sets > 1 ? in.remaining() : of_set > 1 ? packed.size() * 8 / static_cast<uint64_t>(bits_of(total)) : stretches;
-  if (runs > std::min(most, kMostRuns)) in.fail(fmt::format("there are {} runs, but at most {} can be told apart", runs, std::min(most, kMostRuns)));
-  out.runs.resize(runs);
-  for (MixedCells::Run& run : out.runs) run.to = 1;  // its cells
+  if (runs > most) in.fail(fmt::format("there are {} runs, but at most {} can be told apart", runs, most));
   const uint64_t longer_runs = in.varint(0, runs, "longer runs");
+  if (longer_runs > in.remaining() / 2) in.fail(fmt::format("there are {} longer runs, more than bytes for them", longer_runs));
+  out.longer.resize(longer_runs);
   uint64_t next_longer = 0;
-  for (uint64_t i = 0; i < longer_runs; ++i) {
+  for (MixedCells::Longer& run : out.longer) {
     next_longer += in.varint(0, runs, "runs of one cell");
     if (next_longer >= runs) in.fail("a longer run is beyond the last one");
-    out.runs[next_longer++].to = static_cast<uint32_t>(in.varint(0, length, "cells of a run")) + 2;
+    run = {static_cast<uint32_t>(next_longer++), static_cast<uint32_t>(in.varint(0, length, "cells of a run")) + 2};
   }
-  uint64_t counts = 0, coded = 0;
-  for (MixedCells::Run& run : out.runs) {
-    run.set = sets == 1 ? 0 : static_cast<uint32_t>(in.varint(0, sets - 1, "set of a run"));
-    const size_t n = out.sets[run.set].size();
-    run.first = static_cast<uint32_t>(counts);
-    counts += n, coded += n - 1;
+  uint64_t coded = 0;
+  if (sets == 1) {
+    out.name_set(static_cast<uint32_t>(runs), 0, 0);
+    coded = runs * (of_set - 1);
+  } else {
+    for (uint64_t i = 0; i < runs; ++i) {
+      const auto set = static_cast<uint32_t>(in.varint(0, sets - 1, "set of a run"));
+      out.name_set(1, set, coded + i);
+      coded += out.sets[set].size() - 1;
+    }
   }
+  const uint64_t counts = coded + runs;
   in.expect_end();
   in.clause("13.5");
   const auto bits = static_cast<uint64_t>(bits_of(total));
@@ -232,22 +217,21 @@ void decode_mixed_cells(std::span<const uint8_t> frame, uint32_t nu, uint32_t nv
 
   in.clause("13.7");
   std::vector<uint32_t> latest;
-  MixedCells::Run* run = out.runs.data();
-  for (uint32_t ray = 0, stretch = 0; ray < nu * nv; ++ray) {
+  auto longer = out.longer.begin();
+  for (uint32_t ray = 0; ray < nu * nv; ++ray) {
     uint64_t end = 0;
-    const uint32_t of_ray = out.begin[ray + 1] - stretch;
+    const uint32_t first = out.begin[ray], of_ray = out.begin[ray + 1] - first;
     if (latest.size() < of_ray) latest.resize(of_ray);
-    for (uint32_t i = 0; i < of_ray; ++i, ++stretch) {
-      uint64_t from = latest[i] = latest[i] + static_cast<uint32_t>(from_zigzag(begins[stretch]));
+    for (uint32_t i = 0; i < of_ray; ++i) {
+      MixedCells::Stretch& stretch = out.stretches[first + i];
+      const uint32_t last_run = out.first_run(first + size_t{i} + 1);
+      const uint64_t from = latest[i] = latest[i] + static_cast<uint32_t>(from_zigzag(stretch.from));
       if (from < end + (i > 0)) in.fail("a stretch begins before the one before it ends");
-      for (uint32_t k = 0; k < sizes[stretch]; ++k, ++run) {
-        end = from + run->to;
-        if (end > length) in.fail("a run of mixed cells ends beyond its ray");
-        run->from = static_cast<uint32_t>(from), run->to = static_cast<uint32_t>(end);
-        from = end;
-      }
+      stretch.from = static_cast<uint32_t>(from);
+      end = from + (last_run - stretch.first_run);
+      for (; longer != out.longer.end() && longer->run < last_run; ++longer) end += longer->cells - 1;
+      if (end > length) in.fail("a run of mixed cells ends beyond its ray");
     }
-    out.begin[ray + 1] = static_cast<uint32_t>(run - out.runs.data());
   }
   out.counts.resize(counts);
   const auto number = [&, mask = (uint64_t{1} << bits) - 1](uint64_t i) {

@@ -270,8 +270,8 @@ test("what can't be read is said in words, and the page lives", async () => {
   for (const text of await page.locator(".card.unreadable p").allInnerTexts()) assert.match(text, /expected|found|teracell/);
   await page.locator("input[type=file]").setInputFiles(join(bad, "damaged.tcell"));
   await page.getByText("“damaged” is damaged").first().waitFor();
-  await page.goto(`${host.url}/#g=stadium`);
-  await page.reload();
+  await page.evaluate(() => void (location.hash = "#g=stadium"));
+  await page.waitForFunction(() => window.teracell?.viewer.info.id === "stadium");
   await settled(page);
   await close(page);
 });

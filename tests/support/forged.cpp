@@ -155,7 +155,8 @@ Bytes old_mixed_frame(const MixedCells& cells) {
   for (uint32_t i = 0; i < cells.sets.size(); ++i) put_set(body, {cells.sets[i].begin(), cells.sets[i].end()});
   int64_t first = 0;
   for (uint32_t ray = 0; ray < cells.nu * cells.nv; ++ray) {
-    const auto runs = cells.of_ray(ray);
+    std::vector<MixedCells::Run> runs;
+    for (const MixedCells::Run& run : cells.of_ray(ray)) runs.push_back(run);
     put_varint(body, runs.size());
     for (size_t i = 0; i < runs.size(); ++i) {
       const int64_t step = i == 0 ? runs[i].from - first : runs[i].from - runs[i - 1].to;

@@ -303,8 +303,8 @@ test("the whole grids are counted as teracell diff counts them, and a change is 
   const { box } = expected.changes.at(-1);
   await page.getByRole("button", { name: /^3D/ }).click();
   await page.waitForFunction((b) => {
-    const { layout, orbit, axes } = teracell.viewer;
-    const target = layout.value === "3d" && orbit.value?.target;
+    const { layout, orbit, axes } = window.teracell?.viewer ?? {}; // none while one pair goes and the other comes
+    const target = layout?.value === "3d" && orbit.value?.target;
     return target && axes.every((axis, d) => axis.cell_at(target[d]) >= b[d] && axis.cell_at(target[d]) <= b[d + 3]);
   }, box);
   assert.deepEqual(await state(page, "box"), box);

@@ -259,7 +259,9 @@ test("when the server goes away, the page says so, keeps what is on screen, and 
   await older.waitFor({ state: "hidden" });
   await settled(page);
   assert.deepEqual(await state(page, "cell"), cell);
-  // A page that never lost the server sees the same slice; this one may still wait before it asks for its last tiles again.
+  // A page that never lost the server sees the same slice; this one may still wait before it asks for its last tiles again. Without the banner the grid is
+  // larger, and the link says so a moment later.
+  await page.waitForFunction(() => new URLSearchParams(location.hash.slice(1)).get("zoom") === String(teracell.viewer.zoom.value));
   const other = await open_grid(browser, page.url());
   const expected = (await pixels(other, "z")).data;
   const same = async () => (await pixels(page, "z")).data.every((pixel, i) => pixel === expected[i]);

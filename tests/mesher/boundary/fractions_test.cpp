@@ -140,6 +140,14 @@ TEST_CASE("Shares of rows that are longer than vectors equal the cells of the fi
   }
 }
 
+TEST_CASE("Shares of plates that rays cross hundreds of times, and of tiles wider than a block of sub-rays, equal the cells of the finer grid") {
+  std::vector<shapes::Facets> plates;
+  for (int i = 0; i < 150; ++i) plates.push_back(shapes::box({0.6, 0.7, 0.3 + i * 0.03}, {3.8, 2.6 + i % 3 * 0.4, 0.315 + i * 0.03}));
+  expect_exact_shares({{shapes::join(plates)}}, cube_grid_of(0, 1, 5), {2, 2, 64});
+  expect_exact_shares({{shapes::sphere({17, 5, 9}, 4.3, 2)}, {shapes::box({15, 4.5, 3}, {32, 5.2, 9}), Rule::kNonzero, 2}}, cube_grid_of(0, 1, 34),
+                      {8, 1, 2}, 64);
+}
+
 // The part of the cell at `lo`, of size 1, inside a sphere about the origin: exact along lines, midpoints across.
 double part_in_sphere(const Vec3& lo, double radius) {
   constexpr int kLines = 64;
@@ -209,6 +217,23 @@ TEST_CASE("Many sub-samples per cell are counted in blocks of a ray, and give th
     const MeshOptions options{.fractions = samples};
     for_axes(scene_of(folder, bodies, grid), options, [&](const GridReader& reader, const auto&) { CHECK(shares_of(reader, 2) == expected); });
   }
+}
+
+TEST_CASE("Rays of a graded axis that are cut into pieces of 4096 cells have the same shares") {
+  Grid grid = cube_grid_of(0, 1, 3);
+  std::vector<double> planes;
+  for (int i = 0; i <= 4200; ++i) planes.push_back(i < 4150 ? i : 4150 + (i - 4150) * 2.0);
+  grid.axis[2] = Axis::graded(planes, 0.5);
+  // Its walls lean, so cells on both sides of the cut have equal shares, and others.
+  shapes::Facets rod = shapes::box({0.3, 0.2, 4080.4}, {1.6, 1.7, 4120.2});
+  for (Facet& f : rod)
+    for (Vec3& p : f.vertex) p[0] += (p[2] - 4080) * 0.02;
+  const TempFolder folder;
+  const std::vector<Body> bodies = {{rod}};
+  const Subdivision samples{2, 2, 256};
+  const GridReader reader = meshed_reader(bodies, grid, {.axis = 2, .fractions = samples});
+  CHECK(shares_of(reader, 2) == expected_shares(bodies, grid, samples, 2));
+  verify(reader, 1, [](double) {});
 }
 
 TEST_CASE("The cells are the same with and without fractions and links") {

@@ -20,7 +20,7 @@ bool finds_opposites(const Facets& facets, Sample sample) {
     set.add(vertex_hashes(facets[i]));
   }
   if (sample == Sample::kAtTheEnd) set.keep_sample();
-  return set.sample_has_opposites();
+  return set.equal().opposite_in_sample;
 }
 
 // The same, however the sample is kept.
@@ -48,11 +48,12 @@ TEST_CASE("A set of facets counts those that are equal to earlier ones, and can 
     const Facets facets = tangle(random, count, count > 100 ? 5 : 2);
     for (const Facet& f : facets) set.add(vertex_hashes(f));
     const Counted expected = counted(facets);
-    REQUIRE(set.duplicates() == expected.duplicates);
-    REQUIRE(set.opposite() == expected.opposite);
+    const EqualFacets found = set.equal();
+    REQUIRE(found.duplicates == expected.duplicates);
+    REQUIRE(found.opposite == expected.opposite);
     set.clear();
-    REQUIRE(set.duplicates() == 0);
-    REQUIRE_FALSE(set.sample_has_opposites());
+    REQUIRE(set.equal().duplicates == 0);
+    REQUIRE_FALSE(set.equal().opposite_in_sample);
   }
   set.keep_sample();
   set.clear();

@@ -46,10 +46,28 @@ Tile whole_tile(const Grid& grid, int axis) {
   return tile_of(grid, axis, 0, grid.axis[f.u].cells(), 0, grid.axis[f.v].cells());
 }
 
-// The crossings of each ray, sorted.
+// The crossings of each ray, sorted; none if the engine can't cast the tile plane by plane.
+std::vector<std::vector<uint64_t>> cast_planes(Engine& engine, const Tile& tile, std::span<const SceneFacet* const> facets) {
+  CrossingPlanes found;
+  // What an earlier tile left.
+  found.reset(size_t{16} * tile.rays());
+  for (int i = 0; i < 40; ++i) found.add(0, 7);
+  std::vector<std::vector<uint64_t>> rays;
+  if (!engine.cast_planes(tile, facets, found)) return rays;
+  for (uint32_t r = 0; r < tile.rays(); ++r) {
+    rays.emplace_back();
+    for (uint32_t k = 0; k < found.counts[r]; ++k) rays.back().push_back(found.crossing(r, k));
+    std::ranges::sort(rays.back());
+  }
+  return rays;
+}
+
+// The crossings of each ray, sorted. Plane by plane they are the same, and as many of them are decided exactly.
 std::vector<std::vector<uint64_t>> cast(Engine& engine, const Tile& tile, std::span<const SceneFacet* const> facets) {
   Crossings found{{7}, {7, 7}};  // what an earlier tile left
+  const uint64_t exact_before = engine.exact_decisions();
   engine.cast(tile, facets, found);
+  const uint64_t exact = engine.exact_decisions() - exact_before;
   REQUIRE(found.begin.size() == tile.rays() + 1);
   REQUIRE(found.begin.back() == found.all.size());
   std::vector<std::vector<uint64_t>> rays;
@@ -57,6 +75,9 @@ std::vector<std::vector<uint64_t>> cast(Engine& engine, const Tile& tile, std::s
     rays.emplace_back(found.all.begin() + found.begin[r], found.all.begin() + found.begin[r + 1]);
     std::ranges::sort(rays.back());
   }
+  const auto planes = cast_planes(engine, tile, facets);
+  REQUIRE((planes.empty() || planes == rays));
+  REQUIRE(engine.exact_decisions() - exact_before == (planes.empty() ? exact : 2 * exact));
   return rays;
 }
 
@@ -158,6 +179,24 @@ TEST_CASE("All engines agree with rational arithmetic on needles, near-vertical 
     const double far = std::array{1e6, -3e9, 1e12}[random_int(random, 0, 2)];
     expect_exact(shapes::translate(facets, {far, far, far}), cube_grid_of(far, 0.75, 13), random);
   });
+}
+
+TEST_CASE("The engine scan casts plane by plane unless a ray has more crossings than there may be planes", "[engines]") {
+  const Grid grid = cube_grid_of(0, 1, 20);
+  const auto plates = [](int count) {
+    std::vector<Facets> out;
+    for (int i = 0; i < count; ++i) out.push_back(shapes::box({2.3, 3.4, 1 + i * 0.125}, {17.6, 9.7, 1.0625 + i * 0.125}));
+    return SceneFacets(shapes::join(out));
+  };
+  const SceneFacets few = plates(127), many = plates(128), more = plates(160);
+  const Tile tile = whole_tile(grid, 2);
+  CHECK(cast_planes(*few.engine("scan", 2), tile, few.all())[5 * 20 + 5].size() == 254);
+  CHECK(cast_planes(*many.engine("scan", 2), tile, many.all()).empty());
+  CHECK(cast_planes(*more.engine("scan", 2), tile, more.all()).empty());
+  CHECK(cast(*many.engine("scan", 2), tile, many.all())[5 * 20 + 5].size() == 256);
+  // Planes of many rays have fewer places in all.
+  const Tile wide = whole_tile(cube_grid_of(0, 20.0 / 256, 256), 2);
+  CHECK(cast_planes(*few.engine("scan", 2), wide, few.all()).empty());
 }
 
 TEST_CASE("Of thousands of facets, small or large compared with a row of rays, every vector unit finds the crossings that a search finds",

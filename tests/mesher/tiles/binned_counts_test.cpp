@@ -1,6 +1,8 @@
 // The counts of surfaces that are looked at bin by bin, against maps and union-find over all their facets.
 #include "mesher/tiles/binned_counts.hpp"
 
+#include <map>
+
 #include "mesher/closing/closing.hpp"
 #include "tests/mesher/tiles/tile_grids.hpp"
 #include "tests/support/counted.hpp"
@@ -27,6 +29,33 @@ struct Bins {
 
 Counted as_counted(const SurfaceCounts& t) { return {t.degenerate, t.duplicates, t.opposite, t.shells}; }
 
+// Gives facets that come one after another to blocks, and numbers their vertices within those; some equal ones have two numbers.
+void weld(std::vector<BinnedFacet>& facets, std::mt19937_64& random) {
+  uint32_t block = 0;
+  std::map<Vec3, uint32_t> numbers;
+  uint32_t next = 0;
+  for (BinnedFacet& f : facets) {
+    if (block == 0 || random() % 40 == 0) ++block, numbers.clear(), next = 0;
+    f.block = block;
+    for (int i = 0; i < 3; ++i) {
+      const auto [known, is_new] = numbers.try_emplace(f.facet.vertex[i], next);
+      if (!is_new && random() % 8 == 0) known->second = next;
+      f.vertices[i] = known->second;
+      next += known->second == next;
+    }
+  }
+}
+
+// Facets of different bodies come in turn, those of each in their order, by which the first of equal ones is known.
+void mix_bodies(std::vector<BinnedFacet>& facets, std::mt19937_64& random) {
+  std::map<uint32_t, std::vector<BinnedFacet>> by_body;
+  std::vector<uint32_t> turns;
+  for (const BinnedFacet& f : facets) by_body[body_of_layer(f.layer)].push_back(f), turns.push_back(body_of_layer(f.layer));
+  std::ranges::shuffle(turns, random);
+  std::map<uint32_t, size_t> taken;
+  for (size_t i = 0; i < turns.size(); ++i) facets[i] = by_body[turns[i]][taken[turns[i]]++];
+}
+
 // Of each body, from bins that are finished in a random order.
 std::vector<Counted> by_bins(const std::vector<std::vector<Facet>>& bodies, const Bins& bins, std::mt19937_64& random) {
   std::vector<std::vector<BinnedFacet>> content(bins.bins);
@@ -36,6 +65,10 @@ std::vector<Counted> by_bins(const std::vector<std::vector<Facet>>& bodies, cons
         binned.layer = layer_of(b, bin % 2 == 0);
         content[bin].push_back(binned);
       });
+  for (std::vector<BinnedFacet>& facets : content) {
+    mix_bodies(facets, random);
+    if (random() % 2 == 0) weld(facets, random);
+  }
   std::ranges::shuffle(content, random);
   BinnedCounter survey(std::vector<bool>(bodies.size(), true));
   for (const auto& facets : content) {
@@ -105,7 +138,7 @@ TEST_CASE("Counts by the bins of a grid, of which many facets see no ray, are th
   const Metadata meta = tile_grid(2, axis, axis, axis, 2);
   const std::vector<Facet> facets = tangle(random, 1500, 60);
   FacetBins bins(meta, 0, 0, false, {1, folder.path()}, false, [](const Facet& f, uint32_t) { return f; }, {});
-  std::vector<uint8_t> ready;
+  FacetBins::Ready ready;
   bins.make_ready(facets, 0, FacetBins::kOfFile, 0, ready);
   bins.add(ready);
   bins.finish();
@@ -120,7 +153,9 @@ TEST_CASE("Counts by the bins of a grid, of which many facets see no ray, are th
       continue;
     }
     BinnedCounter::Bin bin(survey, bins.facets(at));
-    bins.take(at, [&](const BinnedFacet& f, const Facet&, const RayRange&) { bin.add(f); });
+    bins.take(at, [&](std::span<const BinnedFacet> of_bin) {
+      for (const BinnedFacet& f : of_bin) bin.add(f);
+    });
     bin.finish();
     ++leaves;
   }

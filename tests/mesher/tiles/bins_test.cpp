@@ -46,7 +46,7 @@ struct Filling {
 std::unique_ptr<FacetBins> filled(const Metadata& meta, const std::vector<Added>& facets, const TempFolder& folder, const Filling& how = {}) {
   auto out = std::make_unique<FacetBins>(meta, how.expected, how.expected, how.float32, Budget{how.budget, folder.path()}, how.own_writer, how.move,
                                          std::vector<uint8_t>{});
-  std::vector<uint8_t> ready;
+  FacetBins::Ready ready;
   for (const Added& f : facets) out->make_ready({&f.facet, 1}, f.layer | (f.ignored ? kIgnored : 0), f.origin, 0, ready);
   out->add(ready);
   out->finish();
@@ -75,15 +75,15 @@ void for_each_bin(const Metadata& meta, const FacetBins& bins, F&& f) {
 struct Taken {
   TreePlace place;
   BinnedFacet facet;
-  Facet moved;
-  RayRange range;
 };
 
 std::vector<Taken> take_all(const Metadata& meta, FacetBins& bins, bool parts = false) {
   std::vector<Taken> out;
   for_each_bin(meta, bins, [&](const TreePlace& place) {
     const size_t before = out.size();
-    bins.take(place, [&](const BinnedFacet& f, const Facet& moved, const RayRange& range) { out.push_back({place, f, moved, range}); });
+    bins.take(place, [&](std::span<const BinnedFacet> of_bin) {
+      for (const BinnedFacet& f : of_bin) out.push_back({place, f});
+    });
     if (!parts) REQUIRE(out.size() - before == bins.facets(place));
   });
   return out;
@@ -111,7 +111,7 @@ void expect_taken(const Metadata& meta, const std::vector<Added>& facets, const 
     int homes = 0;
     for (const Taken& t : taken[i]) {
       REQUIRE(same_bits(t.facet.facet, added.facet));
-      REQUIRE(same_bits(t.moved, where));
+      REQUIRE(same_bits(t.facet.placed, where));
       REQUIRE(t.facet.added == (added.origin != FacetBins::kOfFile));
       REQUIRE(t.facet.ignored == added.ignored);
       REQUIRE((t.facet.at_home ? t.facet.bins == taken[i].size() : t.facet.bins > 1 && taken[i].size() > 1));
@@ -122,7 +122,7 @@ void expect_taken(const Metadata& meta, const std::vector<Added>& facets, const 
       const RayRange lies = rays.range_of(where, 0);
       REQUIRE((lies_along(lies.u0, lies.u1, rays.shape.nu, t.place.cu) && lies_along(lies.v0, lies.v1, rays.shape.nv, t.place.cv)));
       const RayRange expected = added.ignored ? RayRange{} : rays.range_of(where, 0);
-      REQUIRE((t.range.u0 == expected.u0 && t.range.u1 == expected.u1 && t.range.v0 == expected.v0 && t.range.v1 == expected.v1));
+      REQUIRE((t.facet.rays.u0 == expected.u0 && t.facet.rays.u1 == expected.u1 && t.facet.rays.v0 == expected.v0 && t.facet.rays.v1 == expected.v1));
       homes += t.facet.at_home;
     }
     REQUIRE(homes == 1);
@@ -217,7 +217,7 @@ TEST_CASE("A part lies in bins as its facets do, whether it is small or spread o
       BinnedPart whole{kFacets, {HUGE_VAL, HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}, part, 0, [of_part](const auto& f) {
                          for (const Added& added : of_part) f(added.facet);
                        }};
-      std::vector<uint8_t> ready;
+      FacetBins::Ready ready;
       for (const Added& added : of_part) {
         if (part % 5 == 0) bins.make_ready({&added.facet, 1}, part, FacetBins::kOfFile, 0, ready);
         for (const Vec3& v : move(added.facet, part).vertex)
@@ -284,7 +284,7 @@ TEST_CASE("A group of tiles with more facets than are loaded at once has several
   const std::vector<Facet> of_part = dense_facets(random, lo, hi, 20'000);
   FacetBins parts(meta, of_part.size(), 0, false, Budget{1, folder.path()}, false, unmoved, {});
   parts.add({of_part.size(), lo, hi, 0, 0, [&](const auto& f) { std::ranges::for_each(of_part, f); }});
-  std::vector<uint8_t> ready;
+  FacetBins::Ready ready;
   for (const Facet& f : dense_facets(random, lo, hi, 1500)) parts.make_ready({&f, 1}, 0, FacetBins::kOfFile, 0, ready);
   parts.add(ready);
   parts.finish();
@@ -339,11 +339,15 @@ TEST_CASE("Single precision takes half the room, and gives back coordinates that
 
 TEST_CASE("A byte of the temporary file that changed, or is gone, is an error and no facet") {
   const TempFolder folder;
+  std::mt19937_64 random(7);
   const Metadata meta = tile_grids()[0];
-  const std::vector<Added> facets(100, Added{Facet{{Vec3{1, 1, 1}, {3, 1, 1}, {1, 3, 1}}}, 0});
+  const std::vector<Added> facets = numbered(facets_over(random, meta, 100));
   constexpr uint64_t budget = 10'000;  // so little that they don't stay in memory
-  for (const off_t at : {0, 71, 72, 5000, 100 * 76 - 1}) {  // a record has 76 bytes
-    const auto bins = filled(meta, facets, folder, {.budget = budget, .expected = facets.size()});
+  const auto fill = [&] { return filled(meta, facets, folder, {.budget = budget, .expected = facets.size()}); };
+  const auto bytes = static_cast<off_t>(fill()->bytes());
+  REQUIRE(bytes > 100 * 72);  // facets that share no vertices
+  for (const off_t at : {off_t{0}, off_t{71}, off_t{72}, off_t{5000}, bytes - 1}) {
+    const auto bins = fill();
     REQUIRE(!bins->in_memory());
     const int fd = temporary_file(folder);
     uint8_t byte;
@@ -352,8 +356,8 @@ TEST_CASE("A byte of the temporary file that changed, or is gone, is an error an
     REQUIRE(::pwrite(fd, &byte, 1, at) == 1);
     REQUIRE_THROWS_AS(take_all(meta, *bins), IoError);
   }
-  const auto bins = filled(meta, facets, folder, {.budget = budget, .expected = facets.size()});
-  REQUIRE(::ftruncate(temporary_file(folder), 100 * 76 - 1) == 0);
+  const auto bins = fill();
+  REQUIRE(::ftruncate(temporary_file(folder), bytes - 1) == 0);
   REQUIRE_THROWS_AS(take_all(meta, *bins), IoError);
 }
 

@@ -54,6 +54,38 @@ TEST_CASE("The file's bytes do not depend on the memory given, nor on threads", 
   }
 }
 
+TEST_CASE("Links lead to the same patches where facets of several lie on each other, also in a group with several bins") {
+  const TempFolder folder;
+  const Grid grid{{Axis::uniform(0, 1, 0, 64, 0.5), Axis::uniform(0, 1, 0, 64, 0.5), Axis::uniform(0, 1, 0, 64, 0.5)}};
+  const Facets coarse = shapes::box({4, 4, 4}, {60, 60, 60});
+  Facets fine = coarse;
+  for (int i = 0; i < 5; ++i) {
+    Facets halves;
+    for (const Facet& f : fine) {
+      const auto& [a, b, c] = f.vertex;
+      const auto middle = [](const Vec3& p, const Vec3& q) { return Vec3{(p[0] + q[0]) / 2, (p[1] + q[1]) / 2, (p[2] + q[2]) / 2}; };
+      const Vec3 ab = middle(a, b), bc = middle(b, c), ca = middle(c, a);
+      for (const Facet& g : {Facet{{a, ab, ca}}, Facet{{ab, b, bc}}, Facet{{ca, bc, c}}, Facet{{ab, bc, ca}}}) halves.push_back(g);
+    }
+    fine.swap(halves);
+  }
+  const Scene scene = scene_of(folder, {{fine}}, grid);
+  std::ofstream obj(folder / "body0.obj");
+  for (const auto& [name, facets] : {std::pair("fine", fine), std::pair("coarse", coarse)}) {
+    obj << "g " << name << '\n';
+    for (const Facet& f : facets) {
+      for (const Vec3& v : f.vertex) obj << "v " << v[0] << ' ' << v[1] << ' ' << v[2] << '\n';
+      obj << "f -3 -2 -1\n";
+    }
+  }
+  obj.close();
+  MeshOptions options{.links = true};
+  mesh_quietly(scene, folder / "a.tcell", options);
+  options.memory = 1;
+  REQUIRE(mesh_quietly(scene, folder / "b.tcell", options)["spilled_bytes"] > 0);
+  REQUIRE((bytes_of(folder / "a.tcell") == bytes_of(folder / "b.tcell")));
+}
+
 TEST_CASE("The cells do not depend on the size of the chunks", "[long]") {
   const TempFolder folder;
   const Scene scene = scene_of_many_kinds(folder);

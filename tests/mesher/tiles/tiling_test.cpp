@@ -185,7 +185,7 @@ TEST_CASE("Facets that lie in bins are handed to the tiles that facets in memory
     for (const int ahead : {0, 3}) {
       auto bins = std::make_unique<FacetBins>(
           meta, 0, 0, false, Budget{1, folder.path()}, ahead > 0, [](const Facet& f, uint32_t) { return f; }, std::vector<uint8_t>{});
-      std::vector<uint8_t> ready;
+      FacetBins::Ready ready;
       for (uint32_t i = 0; i < facets.size(); ++i) bins->make_ready({&facets[i], 1}, i, FacetBins::kOfFile, 0, ready);
       bins->add(ready);
       bins->finish();

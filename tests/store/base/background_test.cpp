@@ -102,7 +102,7 @@ TEST_CASE("what a job throws reaches the next call, and later jobs are not begun
 
 TEST_CASE("a list of a job is not filled again before the job is done", "[background][threads]") {
   Background work(true);
-  JobLists<int> lists;
+  JobLists<std::vector<int>> lists;
   int wrong = 0;
   for (int i = 0; i < 2000; ++i) {
     const auto list = lists.next();

@@ -109,9 +109,41 @@ TEST_CASE("Equal shares in neighbouring cells are one run, and a cut keeps what 
   cells.add(6, 7, labels, others);
   cells.add(8, 9, labels, others);
   cells.end_ray();
-  REQUIRE(cells.runs.size() == 3);
+  REQUIRE(cells.runs == 3);
+  REQUIRE(cells.stretches == decltype(cells.stretches){{2, 0}, {8, 2}});
+  REQUIRE(cells.longer == std::vector<MixedCells::Longer>{{0, 4}});
   REQUIRE(seen(cut(cells, 4, 8)) == std::vector<std::vector<uint32_t>>{{0, 0, 2, 0, 2, 3, 5}, {0, 2, 3, 0, 2, 4, 4}});
   REQUIRE(cut(cells, 10, 20).empty());
+}
+
+TEST_CASE("Rays of other cells are appended as they are, and runs go on behind them", "[fractions]") {
+  std::mt19937_64 random(5);
+  for (int i = 0; i < 20; ++i) {
+    const MixedShape s{4, 5, 60, 3, 64};
+    const MixedCells lower = random_mixed_cells(random, s), upper = random_mixed_cells(random, s);
+    MixedCells one_by_one, by_rays;
+    one_by_one.reset(s.nu, s.nv, 2 * s.length, s.total), by_rays.reset(s.nu, s.nv, 2 * s.length, s.total);
+    for (uint32_t ray = 0; ray < s.nu * s.nv; ++ray) {
+      by_rays.add_ray(lower, ray);
+      uint32_t end = 0;
+      for (const MixedCells::Run& run : lower.of_ray(ray)) {
+        one_by_one.add(run.from, run.to, lower.labels(run), lower.counts_of(run));
+        end = run.to;
+      }
+      // Every other time the upper cells begin where the lower ones end, with equal shares or with others.
+      for (const MixedCells::Run& run : upper.of_ray(ray))
+        for (MixedCells* const out : {&one_by_one, &by_rays}) {
+          const uint32_t shift = ray % 2 == 0 ? s.length : end;
+          out->add(shift + run.from, shift + run.to, upper.labels(run), upper.counts_of(run));
+        }
+      one_by_one.end_ray(), by_rays.end_ray();
+    }
+    REQUIRE(seen(by_rays) == seen(one_by_one));
+    REQUIRE(by_rays.begin == one_by_one.begin);
+    REQUIRE(by_rays.stretches == one_by_one.stretches);
+    if (!by_rays.empty())
+      REQUIRE(seen(decoded_mixed(MixedCellsEncoder().encode(by_rays), {s.nu, s.nv, 2 * s.length, s.labels, s.total})) == seen(by_rays));
+  }
 }
 
 TEST_CASE("Bytes that are no mixed cells are refused", "[fractions]") {
