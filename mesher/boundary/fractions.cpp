@@ -13,45 +13,9 @@ namespace {
 
 // A block has one ray, or up to so many sub-rays along u and along v: one of 256 x 256 no longer fits into the caches, and took 5 % longer.
 // Along the rays it has so many sub-samples: on a graded axis they take memory, and everywhere they are counted in 32 bits.
-constexpr int64_t kSubRaysU = 256, kSubRaysV = 32, kGradedSamples = 1 << 20, kUniformSamples = 1 << 30;
+constexpr int64_t kSubRaysU = 256, kSubRaysV = 32, kGradedSamples = 1 << 20, kUniformSamples = 1 << 29;
 // Where many surfaces lie above each other, blocks have fewer rays, whose sub-rays cross them about so many times.
 constexpr uint64_t kBlockCrossings = uint64_t{1} << 22;
-
-// How many cells a change of a plain ray may be spread over.
-constexpr uint32_t kMostPlainCells = 64;
-// How many changes a simple ray may have: what is known of eight such rays takes 128 KiB.
-constexpr uint32_t kMostSimpleChanges = 64;
-
-// Numbers of eight rays at once. They are written out as vectors, since compilers leave most such loops as they are at -O2.
-constexpr uint32_t kLanes = 8;
-using Lanes [[gnu::vector_size(32)]] = int32_t;
-using FourLanes [[gnu::vector_size(16)]] = int32_t;
-
-// A row of sub-rays, so many of each of eight rays, those of ray l from cells[begins[l]] on: take(i, lanes) gets those of the eight rays side by side
-// that are number i of theirs.
-template <class Take>
-TERACELL_IN_LINE inline void turn_sub_rays(const uint32_t* cells, const size_t (&begins)[kLanes], uint32_t of_each, const Take& take) {
-  constexpr uint32_t kFour = 4;
-  if (of_each % kFour != 0) {
-    for (uint32_t i = 0; i < of_each; ++i) {
-      const auto cell = [&](uint32_t l) TERACELL_IN_LINE { return static_cast<int32_t>(cells[begins[l] + i]); };
-      take(i, Lanes{cell(0), cell(1), cell(2), cell(3), cell(4), cell(5), cell(6), cell(7)});
-    }
-    return;
-  }
-  for (uint32_t i = 0; i < of_each; i += kFour) {
-    FourLanes turned[2][kFour];  // of the lower four rays, and of the upper ones
-    for (uint32_t half = 0; half < 2; ++half) {
-      FourLanes r[kFour];
-      for (uint32_t l = 0; l < kFour; ++l) __builtin_memcpy(&r[l], cells + begins[half * kFour + l] + i, sizeof r[l]);
-      const FourLanes a = __builtin_shufflevector(r[0], r[1], 0, 4, 1, 5), b = __builtin_shufflevector(r[2], r[3], 0, 4, 1, 5);
-      const FourLanes c = __builtin_shufflevector(r[0], r[1], 2, 6, 3, 7), d = __builtin_shufflevector(r[2], r[3], 2, 6, 3, 7);
-      turned[half][0] = __builtin_shufflevector(a, b, 0, 1, 4, 5), turned[half][1] = __builtin_shufflevector(a, b, 2, 3, 6, 7);
-      turned[half][2] = __builtin_shufflevector(c, d, 0, 1, 4, 5), turned[half][3] = __builtin_shufflevector(c, d, 2, 3, 6, 7);
-    }
-    for (uint32_t k = 0; k < kFour; ++k) take(i + k, __builtin_shufflevector(turned[0][k], turned[1][k], 0, 1, 2, 3, 4, 5, 6, 7));
-  }
-}
 
 // Calls f(from, to) for pieces of [lo, hi) of a length.
 template <class F>
@@ -91,6 +55,12 @@ void insertion_sort(std::span<uint32_t> numbers) {
   }
 }
 
+std::vector<Label> labels_of(const std::vector<Layer>& layers, const Labels& labels) {
+  std::vector<Label> out;
+  for (const Layer& layer : layers) out.push_back(labels.of_body[layer.body]);
+  return out;
+}
+
 void fill(std::vector<double>& out, const Axis& axis) {
   out.clear();
   for (int64_t i = 0; i < axis.cells(); ++i) out.push_back(axis.centre(i));
@@ -104,9 +74,8 @@ FractionCounter::FractionCounter(const std::vector<Layer>& layers, const Labels&
       samples_(samples),
       total_(sub_samples(samples)),
       composer_(layers, labels.rank, labels.of_body, labels.of_overlap, meta.ray_axis),
-      sub_tile_{frame_, {}, {}, &axis_} {
-  for (const Layer& layer : layers) label_of_layer_.push_back(labels.of_body[layer.body]);
-}
+      sub_tile_{frame_, {}, {}, &axis_},
+      simple_(frame_, samples, labels_of(layers, labels)) {}
 
 void FractionCounter::count(const Cells& all, std::span<const SceneFacet* const> facets, Engine& engine, MixedCells& out) {
   const Box& tile = all.box;
@@ -151,18 +120,12 @@ void FractionCounter::count_block(const Box& tile, const Box& cells, std::span<c
   cast(cells, facets, engine);
   for (uint32_t j = 0; j < nv; ++j) {
     const auto first = static_cast<uint32_t>((cells.lo[v] - tile.lo[v] + j) * runs.nu + (cells.lo[u] - tile.lo[u]));
-    simple_.assign(nu, 0);
-    alike_.clear(), spans_.clear();
-    backgrounds_size_ = 0;
-    if (cells.lo[w] == 0 && in_planes_) find_simple(j, nu, runs, first);
-    compose_others(j, cells);
-    auto alike = alike_.begin();
+    if (cells.lo[w] == 0 && in_planes_) simple_.find({runs, first, nu, planes_, j, sub_tile_.u.size(), static_cast<int32_t>(axis_.cells())});
+    else simple_.find_none(nu);
+    compose_others(j, nu, cells);
     for (uint32_t i = 0, other = 0; i < nu;) {
-      if (simple_[i]) {
-        while (alike->end <= i) ++alike;
-        const uint32_t begin = i;
-        while (i < alike->end && simple_[i]) ++i;
-        add_simple(*alike, begin, i, out);
+      if (simple_.has(i)) {
+        i = simple_.add(i, out);
       } else {
         const auto ends = runs.changes(first + i), sets = runs.sets(first + i);
         if (!count_two_labels(other, cells, ends, sets, out) && !count_plain_ray(other, cells, ends, sets, out)) {
@@ -192,7 +155,7 @@ void FractionCounter::cast(const Box& cells, std::span<const SceneFacet* const> 
     if (meets(u, sub_tile_.u) && meets(v, sub_tile_.v)) near_.push_back(facet);
   }
   in_planes_ = near_.empty() && !engine.searches_scene();
-  if (in_planes_) return planes_.reset(sub_tile_.rays());
+  if (in_planes_) return planes_.reset(sub_tile_.rays(), 0);
   try {
     in_planes_ = engine.cast_planes(sub_tile_, near_, planes_);
     if (!in_planes_) engine.cast(sub_tile_, near_, crossings_);
@@ -201,203 +164,12 @@ void FractionCounter::cast(const Box& cells, std::span<const SceneFacet* const> 
   }
 }
 
-// Finds the rays of the row v whose cells can be counted from the crossings at once: nearly all of a scene with one body.
-void FractionCounter::find_simple(uint32_t v, uint32_t nu, const RayBlock& runs, uint32_t first_ray) {
-  for (uint32_t begin = 0; begin < nu;) {
-    uint32_t end = begin + 1;
-    while (end < nu && runs.pattern[first_ray + end] == runs.pattern[first_ray + begin]) ++end;
-    begin = find_alike(v, begin, end, runs, first_ray);
-  }
-}
-
-// Looks at rays from `begin` on, which have the same pattern up to `end`. Returns where the rays end that are decided.
-uint32_t FractionCounter::find_alike(uint32_t v, uint32_t begin, uint32_t end, const RayBlock& runs, uint32_t first_ray) {
-  const uint32_t su = samples_[frame_.u], sv = samples_[frame_.v];
-  const auto row_size = static_cast<uint32_t>(sub_tile_.u.size());
-  const auto sets = runs.sets(first_ray + begin);
-  const auto changes = static_cast<uint32_t>(sets.size()) - 1;
-  if (changes > kMostSimpleChanges) return end;
-  const Label label = changes == 0 ? 0 : sets[1];
-  for (uint32_t i = 0; i <= changes; ++i)
-    if (changes % 2 != 0 || sets[i] != (i % 2 == 0 ? 0 : label)) return end;
-  const size_t corner = size_t{v} * sv * row_size + size_t{begin} * su, all = size_t{end - begin} * su;
-  for (uint32_t j = 0; j < sv; ++j) {
-    const uint8_t* const row = planes_.counts.data() + corner + size_t{j} * row_size;
-    uint32_t different = 0;
-    on_vector_unit([=, &different]() TERACELL_IN_LINE {
-      uint8_t of_any = 0;
-      for (size_t i = 0; i < all; ++i) of_any |= static_cast<uint8_t>(row[i] ^ changes);
-      different = of_any;
-    });
-    for (uint32_t i = 0; different != 0 && i < (end - begin) * su; ++i)
-      if (row[i] != changes) end = begin + i / su;
-  }
-  if (end == begin) return begin + 1;
-  Alike rays{begin, end, changes, label, spans_.size(), 0};
-  if (changes > 0) {
-    const uint64_t crossing = planes_.crossing(corner, 0);
-    if (Crossing::is_mark(crossing) || label_of_layer_[Crossing::layer(crossing)] != label) return end;
-    count_alike(rays, corner, runs.at.data() + runs.begin[first_ray + begin]);
-  } else {
-    std::fill(simple_.begin() + begin, simple_.begin() + end, 1);
-  }
-  alike_.push_back(rays);
-  return end;
-}
-
-// A ray is simple if its sub-rays change as it does itself, all by crossings of one layer, up and down by turns, and if no cell has two of its
-// changes.
-void FractionCounter::count_alike(Alike& rays, size_t corner, const uint32_t* ends) {
-  const uint32_t su = samples_[frame_.u], sv = samples_[frame_.v], size = rays.end - rays.begin, changes = rays.changes;
-  const auto per_ray = static_cast<int32_t>(samples_[frame_.w]), length = static_cast<int32_t>(axis_.cells());
-  const int shift = std::countr_zero(samples_[frame_.w]), total = static_cast<int>(total_);
-  const size_t row_size = sub_tile_.u.size(), stride = planes_.stride, blocks = (size + kLanes - 1) / kLanes;
-  const size_t most_counts = size_t{changes} * kMostPlainCells * kLanes;
-  spans_.resize(rays.spans + blocks * changes);
-  places_.resize(size_t{su} * sv * kLanes);
-  int32_t* const places = places_.data();
-  const uint32_t *const sub_cells = planes_.cells.data() + corner, *const rests = planes_.rests.data() + corner, turns = rests[0];
-  for (size_t block = 0; block < blocks; ++block) {
-    Spans* const spans = spans_.data() + rays.spans + block * changes;
-    const size_t counts_begin = backgrounds_size_;
-    if (backgrounds_.size() < counts_begin + most_counts) backgrounds_.resize(2 * (counts_begin + most_counts));
-    int32_t* const backgrounds = backgrounds_.data() + counts_begin;
-    uint8_t* const simple = simple_.data() + rays.begin + block * kLanes;
-    const uint32_t first = static_cast<uint32_t>(block) * kLanes, width = std::min(kLanes, size - first);
-    size_t used = 0;
-    uint32_t of_block = 0;  // mixed cells
-    on_vector_unit([=, &used, &of_block]() TERACELL_IN_LINE {
-      // The crossings go up and down by turns.
-      Lanes different = {};
-      for (uint32_t n = 0; n < changes; ++n)
-        for (uint32_t j = 0; j < sv; ++j) {
-          const uint32_t* const row = rests + n * stride + j * row_size + size_t{first} * su;
-          const uint32_t expected = turns ^ (n & 1), words = width * su;
-          uint32_t i = 0;
-          for (; i + kLanes <= words; i += kLanes) {
-            Lanes x;
-            __builtin_memcpy(&x, row + i, sizeof x);
-            different |= x ^ static_cast<int32_t>(expected);
-          }
-          for (; i < words; ++i) different[0] |= static_cast<int32_t>(row[i] ^ expected);
-        }
-      bool same = true;
-      for (uint32_t l = 0; l < kLanes; ++l) same &= different[l] == 0;
-      if (!same) return;
-
-      uint32_t ray[kLanes];
-      size_t sub_rays[kLanes];
-      for (uint32_t l = 0; l < kLanes; ++l) ray[l] = std::min(first + l, size - 1), sub_rays[l] = size_t{ray[l]} * su;
-      const Lanes zero = {}, all_of_one = zero + per_ray, all = zero + total;
-      Lanes before = zero, good = ~zero, mixed = zero;
-      size_t counts = 0;
-      for (uint32_t n = 0; n < changes; ++n) {
-        Lanes least = zero + INT32_MAX, greatest = zero;
-        for (uint32_t j = 0; j < sv; ++j)
-          turn_sub_rays(sub_cells + n * stride + j * row_size, sub_rays, su, [&](uint32_t i, Lanes p) TERACELL_IN_LINE {
-            __builtin_memcpy(places + (size_t{j} * su + i) * kLanes, &p, sizeof p);
-            least = p < least ? p : least, greatest = p > greatest ? p : greatest;
-          });
-        const auto change = [&](uint32_t l) TERACELL_IN_LINE { return static_cast<int32_t>(ends[ray[l] * changes + n]); };
-        const Lanes end = {change(0), change(1), change(2), change(3), change(4), change(5), change(6), change(7)};
-        const Lanes from = least >> shift, to = (greatest + (per_ray - 1)) >> shift, cells = to - from;
-        good &= (least > 0) & (greatest < length) & (end >= from) & (end <= to) & (cells <= static_cast<int32_t>(kMostPlainCells)) & (from >= before);
-        before = to;
-        mixed += good & cells;
-        __builtin_memcpy(spans[n].from, &from, sizeof from);
-        __builtin_memcpy(spans[n].to, &to, sizeof to);
-        spans[n].counts = counts_begin + counts;
-        int32_t most = 0;
-        for (uint32_t l = 0; l < kLanes; ++l) most = std::max(most, good[l] ? cells[l] : 0);
-        Lanes cell_end = (from + 1) << shift, latest = zero - 1, has_equal = zero;
-        for (int32_t cell = 0; cell < most; ++cell, cell_end += per_ray, counts += kLanes) {
-          // Of each sub-ray what lies behind its change.
-          Lanes sum = zero;
-          for (uint32_t s = 0; s < su * sv; ++s) {
-            Lanes p;
-            __builtin_memcpy(&p, places + size_t{s} * kLanes, sizeof p);
-            p = cell_end - p;
-            p = p < zero ? zero : p;
-            sum += p > all_of_one ? all_of_one : p;
-          }
-          has_equal |= (sum == latest) & (cell < cells);
-          latest = sum;
-          const Lanes background = n % 2 == 0 ? all - sum : sum;
-          __builtin_memcpy(backgrounds + counts, &background, sizeof background);
-        }
-        __builtin_memcpy(spans[n].has_equal, &has_equal, sizeof has_equal);
-      }
-      for (uint32_t l = 0; l < width; ++l) simple[l] = good[l] != 0;
-      used = counts;
-      for (uint32_t l = 0; l < width; ++l) of_block += static_cast<uint32_t>(mixed[l]);
-    });
-    backgrounds_size_ += used;
-    rays.cells += of_block;
-  }
-}
-
-// Appends rays of a row that are simple.
-void FractionCounter::add_simple(const Alike& rays, uint32_t begin, uint32_t end, MixedCells& out) const {
-  if (rays.cells == 0) {
-    out.begin.insert(out.begin.end(), end - begin, static_cast<uint32_t>(out.stretches.size()));
-    return;
-  }
-  constexpr uint32_t kFew = 4;  // cells of a change. Most have two or three, and no processor foresees which, so four are always written
-  const uint32_t labels[2] = {0, rays.label}, first = begin - rays.begin, last = end - rays.begin, changes = rays.changes, total = total_;
-  const uint32_t runs_before = out.runs;
-  const size_t stretches_before = out.stretches.size(), counts_before = out.counts.size();
-  out.stretches.resize(stretches_before + size_t{last - first} * changes + 1);
-  out.counts.resize(counts_before + 2 * (size_t{rays.cells} + kFew));
-  MixedCells::Stretch *const stretches = out.stretches.data(), *stretch = stretches + stretches_before;
-  uint32_t *const counts = out.counts.data() + counts_before, *count = counts;
-  uint32_t run = runs_before;
-  for (uint32_t ray = first; ray < last; ++ray) {
-    const Spans* const spans = spans_.data() + rays.spans + size_t{ray / kLanes} * changes;
-    const uint32_t lane = ray % kLanes;
-    uint32_t latest_end = ~uint32_t{0};  // of the latest run of the ray
-    for (uint32_t n = 0; n < changes; ++n) {
-      const int32_t* const backgrounds = backgrounds_.data() + spans[n].counts + lane;
-      const auto from = static_cast<uint32_t>(spans[n].from[lane]), to = static_cast<uint32_t>(spans[n].to[lane]), cells = to - from;
-      if (cells == 0) continue;
-      const bool goes_on = from == latest_end;  // then the background of the run before this one is count[-2]
-      *stretch = {from, run};
-      stretch += !goes_on;
-      latest_end = to;
-      if (cells <= kFew) {
-        const FourLanes b = {backgrounds[0], backgrounds[size_t{kLanes}], backgrounds[size_t{2} * kLanes], backgrounds[size_t{3} * kLanes]};
-        const FourLanes rest = static_cast<int32_t>(total) - b;
-        const FourLanes lower = __builtin_shufflevector(b, rest, 0, 4, 1, 5), upper = __builtin_shufflevector(b, rest, 2, 6, 3, 7);
-        if (spans[n].has_equal[lane] == 0 && !(goes_on && static_cast<uint32_t>(backgrounds[0]) == count[-2])) {
-          __builtin_memcpy(count, &lower, sizeof lower);
-          __builtin_memcpy(count + kFew, &upper, sizeof upper);
-          run += cells, count += size_t{2} * cells;
-          continue;
-        }
-      }
-      bool has_latest = goes_on;
-      for (uint32_t k = 0; k < cells; ++k, has_latest = true) {
-        const auto b = static_cast<uint32_t>(backgrounds[size_t{k} * kLanes]);
-        if (has_latest && b == count[-2]) {
-          out.lengthen(run - 1, 1);
-          continue;
-        }
-        *count++ = b, *count++ = total - b;
-        ++run;
-      }
-    }
-    out.begin.push_back(static_cast<uint32_t>(stretch - stretches));
-  }
-  out.stretches.resize(static_cast<size_t>(stretch - stretches));
-  out.counts.resize(counts_before + static_cast<size_t>(count - counts));
-  if (run > runs_before) out.name_set(run - runs_before, out.sets.intern(labels), counts_before);
-}
-
 // Makes the runs of the sub-rays of those rays of the row v that are not simple.
-void FractionCounter::compose_others(uint32_t v, const Box& cells) {
+void FractionCounter::compose_others(uint32_t v, uint32_t nu, const Box& cells) {
   const uint32_t su = samples_[frame_.u], sv = samples_[frame_.v];
   others_.clear();
-  for (uint32_t i = 0; i < simple_.size(); ++i)
-    if (!simple_[i]) others_.push_back(i);
+  for (uint32_t i = 0; i < nu; ++i)
+    if (!simple_.has(i)) others_.push_back(i);
   if (others_.empty()) return;
   Crossings& c = other_crossings_;
   c.begin.assign(1, 0);
@@ -445,7 +217,7 @@ bool FractionCounter::count_plain_ray(uint32_t u, const Box& cells, std::span<co
       }
     }
     const uint32_t from = first >> shift, to = (last + per_ray - 1) >> shift;
-    if (ends[n] < from || ends[n] > to || to - from > kMostPlainCells || (n > 0 && from < stretches_.back().to)) return false;
+    if (ends[n] < from || ends[n] > to || to - from > SimpleRays::kMostCells || (n > 0 && from < stretches_.back().to)) return false;
     stretches_.push_back({from, to});
   }
   for (uint32_t n = 0; n < count; ++n) {

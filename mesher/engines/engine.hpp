@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -59,38 +60,45 @@ struct Crossings {
 struct CrossingPlanes {
   static constexpr size_t kMost = 255, kMostPlaces = size_t{1} << 22;  // at most so many crossings of a ray, and places of all planes, fit
   static constexpr size_t kMore = 8;                                   // places behind the last ray, which have no meaning
+  static constexpr uint32_t kUp = uint32_t{1} << 30;                   // more than cells that an axis may have
   std::vector<uint8_t> counts;                                         // of each ray (v * nu + u), its crossings
   size_t stride = 0;                                                   // from a plane to the next
-  UnfilledVector<uint32_t> cells, rests;                               // the halves of crossing k of a ray, at k * stride + ray
+  UnfilledVector<uint32_t> cells;                                      // of crossing k of a ray, at k * stride + ray; + kUp, if it goes up
+  std::optional<uint32_t> layer;                                       // of all crossings; of each its own stands in `layers`, if there is none
+  UnfilledVector<uint32_t> layers;
 
   // Empties the planes for so many rays.
-  void reset(size_t rays) {
+  void reset(size_t rays, std::optional<uint32_t> layer_of_all) {
     stride = rays + kMore;
     counts.assign(stride, 0);
+    layer = layer_of_all;
+    if (!layer && layers.size() < cells.size()) layers.resize(cells.size());
     planes_ = std::min(cells.size() / stride, most());
   }
   size_t planes() const { return planes_; }  // that there is room for
   size_t most() const { return std::min(kMost, kMostPlaces / stride); }
   // Adds a crossing to a ray. Returns false if it doesn't fit.
-  bool add(size_t ray, uint64_t crossing) {
+  bool add(size_t ray, uint32_t cell_and_up, uint32_t of_layer) {
     const size_t k = counts[ray];
     if (k == most()) return false;
     if (k == planes_) {
       planes_ = std::min(2 * planes_ + 2, most());
-      cells.resize(planes_ * stride), rests.resize(planes_ * stride);
+      cells.resize(planes_ * stride);
+      if (!layer) layers.resize(planes_ * stride);
     }
     ++counts[ray];
-    cells[k * stride + ray] = static_cast<uint32_t>(crossing >> 32), rests[k * stride + ray] = static_cast<uint32_t>(crossing);
+    cells[k * stride + ray] = cell_and_up;
+    if (!layer) layers[k * stride + ray] = of_layer;
     return true;
+  }
+  uint64_t crossing(size_t ray, uint32_t k) const {
+    const size_t at = k * stride + ray;
+    return Crossing::pack(cells[at] & ~kUp, layer ? *layer : layers[at], (cells[at] & kUp) != 0);
   }
   // Appends the crossings of a ray to others.
   void append(size_t ray, std::vector<uint64_t>& out) const {
-    const size_t before = out.size(), count = counts[ray];
-    out.resize(before + count);
-    const uint32_t *cell = cells.data() + ray, *rest = rests.data() + ray;
-    for (size_t k = 0; k < count; ++k, cell += stride, rest += stride) out[before + k] = uint64_t{*cell} << 32 | *rest;
+    for (uint32_t k = 0; k < counts[ray]; ++k) out.push_back(crossing(ray, k));
   }
-  uint64_t crossing(size_t ray, uint32_t k) const { return uint64_t{cells[k * stride + ray]} << 32 | rests[k * stride + ray]; }
 
  private:
   size_t planes_ = 0;

@@ -131,33 +131,31 @@ struct LaneHeights {
   using Far = std::array<double, kRays>;
   static bool is_close(const Far& far) { return *std::max_element(far.begin(), far.end()) >= 0.5; }
 
-  // For the rays u[k] of the row v: crossings[k] = that with facet i, for whole blocks of rays; or cells[k] = its cell. What is written for rays that
-  // do not cross it has no meaning.
+  // For the rays u[k] of the row v: crossings[k] = that with facet i, for whole blocks of rays; or cells[k] = its cell + `more`. What is written for
+  // rays that do not cross it has no meaning. REQUIRES: the cells and `more` fit into 32 bits.
   TERACELL_IN_LINE void cross(size_t i, const double* u, size_t size, double v, bool up, uint64_t* crossings, Far& far) const {
-    for_each(i, u, size, v, far, [=, rest = rest_of(i, up)](size_t k, uint64_t cell) TERACELL_IN_LINE { crossings[k] = cell << 32 | rest; });
+    for_each(i, u, size, v, 0, far, [=, rest = rest_[i] | up](size_t k, uint64_t cell) TERACELL_IN_LINE { crossings[k] = cell << 32 | rest; });
   }
-  TERACELL_IN_LINE void cells(size_t i, const double* u, size_t size, double v, uint32_t* cells, Far& far) const {
-    for_each(i, u, size, v, far, [=](size_t k, uint64_t cell) TERACELL_IN_LINE { cells[k] = static_cast<uint32_t>(cell); });
+  TERACELL_IN_LINE void cells(size_t i, const double* u, size_t size, double v, uint32_t more, uint32_t* cells, Far& far) const {
+    for_each(i, u, size, v, more, far, [=](size_t k, uint64_t cell) TERACELL_IN_LINE { cells[k] = static_cast<uint32_t>(cell); });
   }
-  // What the crossings of a facet have beside their cell.
-  TERACELL_IN_LINE uint64_t rest_of(size_t i, bool up) const { return rest_[i] | up; }
 
  private:
   static constexpr uint32_t kFacets = FacetLanes::kFacets;
 
-  // take(k, cell): the low half of the bits of `cell` is the cell.
+  // take(k, cell): the low half of the bits of `cell` is the cell + `more`.
   template <class Take>
-  TERACELL_IN_LINE void for_each(size_t i, const double* u, size_t size, double v, Far& far, const Take& take) const {
+  TERACELL_IN_LINE void for_each(size_t i, const double* u, size_t size, double v, uint32_t more, Far& far, const Take& take) const {
     // A number below 2^51 that is added to this one is rounded to an integer, which is what the low half of the sum's bits say.
-    constexpr double kRound = 0x1.8p52;
+    const double round = 0x1.8p52 + more;
     const double base = (w0_[i] + gv_[i] * (v - v0_[i]) - cells_.origin) * cells_.per_cell - cells_.offset + 0.5;
     const double slope = slope_[i], u0 = u0_[i], slack = slack_[i], most = cells_.cells;
     for (size_t k = 0; k < size; k += kRays)
 #pragma GCC unroll 1
       for (size_t j = 0; j < kRays; ++j) {
-        const double t = std::min(std::max(base + slope * (u[k + j] - u0), 0.0), most), sum = t + kRound;
+        const double t = std::min(std::max(base + slope * (u[k + j] - u0), 0.0), most), sum = t + round;
         take(k + j, std::bit_cast<uint64_t>(sum));
-        far[j] = std::max(far[j], std::abs(t - (sum - kRound)) + slack);
+        far[j] = std::max(far[j], std::abs(t - (sum - round)) + slack);
       }
   }
 

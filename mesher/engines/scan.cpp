@@ -199,14 +199,17 @@ bool ScanEngine::cast_planes(const Tile& tile, std::span<const SceneFacet* const
   static_assert(kRays == sizeof(uint64_t) && kRays <= CrossingPlanes::kMore);  // the counts of a block are one word
   constexpr uint64_t kOfEach = 0x0101010101010101;
   if (std::endian::native != std::endian::little) return false;  // the first ray's count is in the lowest byte
+  if (facets.empty() || tile.axis->cells() >= CrossingPlanes::kUp) return false;
+  const uint32_t layer = facets[0]->layer;
+  const bool one_layer = std::ranges::all_of(facets, [&](const SceneFacet* f) { return f->layer == layer; });
   const uint64_t exact_before = exact_decisions_;
   find_spans(tile, facets, false);
   take_u(tile);
   crossings_.resize(tile.u.size() + kRays);
-  out.reset(tile.rays());
+  out.reset(tile.rays(), one_layer ? std::optional(layer) : std::nullopt);
   const CellUnits cells(*tile.axis);
   bool fits = true;
-  on_vector_unit([&, u = u_.data(), found_cells = cells_.data(), stride = out.stride]() TERACELL_IN_LINE {
+  on_vector_unit([&, one_layer, u = u_.data(), found_cells = cells_.data(), stride = out.stride]() TERACELL_IN_LINE {
     for (size_t s = 0; s < found_ && fits;) {
       const size_t block = spans_[s].facet() / kFacets;
       const LaneHeights heights(FacetLanes(facets.subspan(block * kFacets), tile.frame), cells);
@@ -216,8 +219,8 @@ bool ScanEngine::cast_planes(const Tile& tile, std::span<const SceneFacet* const
         for (const uint32_t facet = spans_[s].facet(); s < found_ && spans_[s].facet() == facet; ++s) {
           const Span span = spans_[s];
           const size_t ray = span.first_ray(tile), size = span.size();
-          heights.cells(facet % kFacets, u + span.from(), size, tile.v[span.row()], found_cells, far);
-          const auto rest = static_cast<uint32_t>(heights.rest_of(facet % kFacets, span.up()));
+          heights.cells(facet % kFacets, u + span.from(), size, tile.v[span.row()], span.up() ? CrossingPlanes::kUp : 0, found_cells, far);
+          const uint32_t of_layer = facets[facet]->layer;
           uint8_t* const counts = out.counts.data() + ray;
           // Where all rays of a block have found as many crossings, the next ones lie in one plane, side by side.
           const auto put = [&](size_t k, size_t here, uint64_t valid, const auto& write) TERACELL_IN_LINE {
@@ -225,7 +228,7 @@ bool ScanEngine::cast_planes(const Tile& tile, std::span<const SceneFacet* const
             __builtin_memcpy(&found, counts + k, sizeof found);
             const uint64_t plane = found & 0xff;
             if (((found ^ plane * kOfEach) & valid) != 0 || plane >= out.planes()) {
-              for (size_t j = 0; j < here; ++j) fits &= out.add(ray + k + j, uint64_t{found_cells[k + j]} << 32 | rest);
+              for (size_t j = 0; j < here; ++j) fits &= out.add(ray + k + j, found_cells[k + j], of_layer);
               return;
             }
             found += kOfEach & valid;
@@ -233,7 +236,8 @@ bool ScanEngine::cast_planes(const Tile& tile, std::span<const SceneFacet* const
             Lanes of_cells;
             __builtin_memcpy(&of_cells, found_cells + k, sizeof of_cells);
             const size_t at = plane * stride + ray + k;
-            write(out.cells.data() + at, of_cells), write(out.rests.data() + at, Lanes{} + rest);
+            write(out.cells.data() + at, of_cells);
+            if (!one_layer) write(out.layers.data() + at, Lanes{} + of_layer);
           };
           size_t k = 0;
           for (; k + kRays <= size; k += kRays)
@@ -250,7 +254,9 @@ bool ScanEngine::cast_planes(const Tile& tile, std::span<const SceneFacet* const
         if (fits && LaneHeights::is_close(far))
           decide(
               {&spans_[first], s - first}, tile, facets, heights, [&](uint32_t ray) { --out.counts[ray]; },
-              [&](uint32_t ray, uint64_t crossing) { fits &= out.add(ray, crossing); });
+              [&](uint32_t ray, uint64_t crossing) {
+                fits &= out.add(ray, Crossing::cell(crossing) | (Crossing::step(crossing) > 0 ? CrossingPlanes::kUp : 0), Crossing::layer(crossing));
+              });
       }
     }
   });

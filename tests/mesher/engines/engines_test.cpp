@@ -50,8 +50,8 @@ Tile whole_tile(const Grid& grid, int axis) {
 std::vector<std::vector<uint64_t>> cast_planes(Engine& engine, const Tile& tile, std::span<const SceneFacet* const> facets) {
   CrossingPlanes found;
   // What an earlier tile left.
-  found.reset(size_t{16} * tile.rays());
-  for (int i = 0; i < 40; ++i) found.add(0, 7);
+  found.reset(size_t{16} * tile.rays(), 3);
+  for (int i = 0; i < 40; ++i) found.add(0, 7, 3);
   std::vector<std::vector<uint64_t>> rays;
   if (!engine.cast_planes(tile, facets, found)) return rays;
   for (uint32_t r = 0; r < tile.rays(); ++r) {
