@@ -195,6 +195,7 @@ void ScanEngine::find_heights(const Tile& tile, std::span<const SceneFacet* cons
 
 bool ScanEngine::cast_planes(const Tile& tile, std::span<const SceneFacet* const> facets, CrossingPlanes& out) {
   constexpr size_t kFacets = FacetLanes::kFacets, kRays = LaneHeights::kRays;
+  using Words [[gnu::vector_size(kRays * sizeof(uint64_t))]] = uint64_t;
   using Lanes [[gnu::vector_size(kRays * sizeof(uint32_t))]] = uint32_t;
   static_assert(kRays == sizeof(uint64_t) && kRays <= CrossingPlanes::kMore);  // the counts of a block are one word
   constexpr uint64_t kOfEach = 0x0101010101010101;
@@ -209,7 +210,7 @@ bool ScanEngine::cast_planes(const Tile& tile, std::span<const SceneFacet* const
   out.reset(tile.rays(), one_layer ? std::optional(layer) : std::nullopt);
   const CellUnits cells(*tile.axis);
   bool fits = true;
-  on_vector_unit([&, one_layer, u = u_.data(), found_cells = cells_.data(), stride = out.stride]() TERACELL_IN_LINE {
+  on_vector_unit([&, one_layer, u = u_.data(), found_cells = crossings_.data(), stride = out.stride]() TERACELL_IN_LINE {
     for (size_t s = 0; s < found_ && fits;) {
       const size_t block = spans_[s].facet() / kFacets;
       const LaneHeights heights(FacetLanes(facets.subspan(block * kFacets), tile.frame), cells);
@@ -228,15 +229,15 @@ bool ScanEngine::cast_planes(const Tile& tile, std::span<const SceneFacet* const
             __builtin_memcpy(&found, counts + k, sizeof found);
             const uint64_t plane = found & 0xff;
             if (((found ^ plane * kOfEach) & valid) != 0 || plane >= out.planes()) {
-              for (size_t j = 0; j < here; ++j) fits &= out.add(ray + k + j, found_cells[k + j], of_layer);
+              for (size_t j = 0; j < here; ++j) fits &= out.add(ray + k + j, static_cast<uint32_t>(found_cells[k + j]), of_layer);
               return;
             }
             found += kOfEach & valid;
             __builtin_memcpy(counts + k, &found, sizeof found);
-            Lanes of_cells;
-            __builtin_memcpy(&of_cells, found_cells + k, sizeof of_cells);
+            Words words;
+            __builtin_memcpy(&words, found_cells + k, sizeof words);
             const size_t at = plane * stride + ray + k;
-            write(out.cells.data() + at, of_cells);
+            write(out.cells.data() + at, __builtin_convertvector(words, Lanes));
             if (!one_layer) write(out.layers.data() + at, Lanes{} + of_layer);
           };
           size_t k = 0;
