@@ -118,10 +118,7 @@ class MeshRun {
   }
 
   void cast(Casting& casting, Tiling& tiling) {
-    for (uint64_t done = 0; done < groups_; ++done) {
-      tiling.next();
-      run_.progress("resume", static_cast<double>(done) / static_cast<double>(groups_));
-    }
+    tiling.pass(groups_, run_.threads, [&](uint64_t done) { run_.progress("resume", static_cast<double>(done) / static_cast<double>(groups_)); });
     Checkpoints checkpoints(options_.checkpoint_seconds);
     casting.cast(
         tiling, [&] { return tiling.next(); }, *pyramid_,

@@ -97,7 +97,7 @@ void Pieces::settle(const TreeRange& home) {
 // The facets of bins are counted as the groups are taken.
 void Pieces::finish_counting() {
   if (run_.counts && !tiling_) settle(TreeRange{});  // every piece was there already
-  while (counting_ && tiling_->next()) run_.progress("mesh", 0);
+  if (counting_) tiling_->pass(~uint64_t{0}, run_.threads, [&](uint64_t) { run_.progress("mesh", 0); });
   counting_ = false;
 }
 

@@ -29,28 +29,34 @@ Casting::Casting(const PreparedRun& run, const EngineMaker& make_engine) : run_(
   }
 }
 
-void Casting::cast(const Tiling& tiling, const std::function<std::optional<TileGroup>()>& next_group, PyramidWriter& pyramid,
+void Casting::cast(Tiling& tiling, const std::function<std::optional<TileGroup>()>& next_group, PyramidWriter& pyramid,
                    const std::function<void(const TileGroupWork&)>& stored) {
   struct Job {
-    std::shared_ptr<TileGroupWork> work;
+    std::shared_ptr<TileGroupWork> work;  // null: `load` is to be done
     uint32_t row;
+    std::function<void()> load;
   };
-  Job next{nullptr, TileGroupWork::kRows};
+  Job next{nullptr, TileGroupWork::kRows, nullptr};
   // Groups that are stored. To free them takes time, so a thread that casts does it.
   std::vector<std::shared_ptr<TileGroupWork>> to_free;
   std::mutex of_stored;
   in_order(
       run_.threads,
       [&]() -> std::optional<Job> {
+        if (auto load = tiling.next_load()) return Job{nullptr, 0, std::move(load)};
         if (next.row == TileGroupWork::kRows) {
           auto group = next_group();
           if (!group) return std::nullopt;
           auto above = pyramid.node_above(2, group->cu, group->cv);
-          next = {std::make_shared<TileGroupWork>(std::move(*group), tiling, run_.plan.meta, std::move(above)), 0};
+          next = {std::make_shared<TileGroupWork>(std::move(*group), tiling, run_.plan.meta, std::move(above)), 0, nullptr};
         }
-        return Job{next.work, next.row++};
+        return Job{next.work, next.row++, nullptr};
       },
       [&](Job job, int worker) {
+        if (!job.work) {
+          job.load();
+          return job;
+        }
         std::unique_lock lock(of_stored);
         auto freed = std::exchange(to_free, {});
         lock.unlock();
@@ -59,7 +65,7 @@ void Casting::cast(const Tiling& tiling, const std::function<std::optional<TileG
         return job;
       },
       [&](Job job) {
-        if (job.row + 1 < TileGroupWork::kRows) return;  // rows come in order, so with the last one all are made
+        if (!job.work || job.row + 1 < TileGroupWork::kRows) return;  // rows come in order, so with the last one all are made
         for (const LevelChunk& chunk : job.work->chunks()) pyramid.put(chunk);
         job.work->for_each_frame([&](size_t channel, const ChunkKey& key, const Bytes& frame) { pyramid.sink().put_cells(channel, key, frame); });
         pyramid.put_above(job.work->above(), job.work->group().cu, job.work->group().cv);

@@ -12,9 +12,9 @@ class Casting {
   // Keeps a reference to `run`.
   Casting(const PreparedRun& run, const EngineMaker& make_engine);
 
-  // Takes groups of `tiling` from `next`, which several threads call one at a time, until there are no more. Puts their chunks, and what
-  // is above them. `stored` is called on this thread for each group, when its chunks are put, with what it has counted.
-  void cast(const Tiling& tiling, const std::function<std::optional<TileGroup>()>& next, PyramidWriter& pyramid,
+  // Takes groups of `tiling` from `next`, which several threads call one at a time, until there are no more; these threads also load its bins. Puts
+  // the groups' chunks, and what is above them. `stored` is called on this thread for each group, when its chunks are put, with what it has counted.
+  void cast(Tiling& tiling, const std::function<std::optional<TileGroup>()>& next, PyramidWriter& pyramid,
             const std::function<void(const TileGroupWork&)>& stored);
 
  private:

@@ -2,6 +2,8 @@
 
 #include <numeric>
 
+#include "store/base/in_order.hpp"
+
 namespace teracell::mesher {
 namespace {
 
@@ -122,33 +124,51 @@ Tiling::Node Tiling::load(const TreePlace& place) const {
 }
 
 Tiling::Node Tiling::take_bin(const TreePlace& place) {
-  if (!bins_->has_facets(place)) return load(place);  // nothing was loaded ahead
-  std::future<Node> loading;
-  if (!next_bins_.empty()) {
-    loading = std::move(next_bins_.front());
-    next_bins_.pop_front();
-  }
-  load_ahead();
-  return loading.valid() ? loading.get() : load(place);
+  if (!bins_->has_facets(place) || next_bins_.empty()) return load(place);
+  std::future<Node> loading = std::move(next_bins_.front());
+  next_bins_.pop_front();
+  return loading.get();
 }
 
-// Goes along the path as next() will, and puts children in the place of nodes that are split. (Without that all threads waited for the first bin of
-// each.)
-void Tiling::load_ahead() {
+// Goes along the path as next() will, and puts children in the place of nodes that are split.
+std::function<void()> Tiling::next_load() {
+  if (next_bins_.size() >= ahead_) return nullptr;
   size_t bins = 0;
-  for (size_t n = path_.size(); n > 0 && next_bins_.size() < ahead_;) {
+  for (size_t n = path_.size(); n > 0;) {
     const Node& node = path_[--n];
     if (node.block) continue;
     if (is_loaded_whole(node.place)) {
-      if (bins_->has_facets(node.place) && ++bins > next_bins_.size())
-        next_bins_.push_back(std::async(std::launch::async, [this, at = node.place] { return load(at); }));
-      continue;
+      if (!bins_->has_facets(node.place) || ++bins <= next_bins_.size()) continue;
+      const auto task = std::make_shared<std::packaged_task<Node()>>([this, at = node.place] { return load(at); });
+      next_bins_.push_back(task->get_future());
+      return [task] { (*task)(); };
     }
     std::vector<Node> children = children_of(node);
     path_.erase(path_.begin() + static_cast<ptrdiff_t>(n));
     path_.insert(path_.begin() + static_cast<ptrdiff_t>(n), std::make_move_iterator(children.begin()), std::make_move_iterator(children.end()));
     n += children.size();
   }
+  return nullptr;
+}
+
+void Tiling::pass(uint64_t groups, int threads, const std::function<void(uint64_t taken)>& went_on) {
+  using Load = std::function<void()>;
+  uint64_t left = groups, taken = 0;
+  in_order(
+      threads,
+      [&]() -> std::optional<Load> {
+        if (auto load = next_load()) return load;
+        if (left == 0 || !next()) return std::nullopt;
+        --left;
+        return Load();
+      },
+      [](const Load& load, int) {
+        if (load) load();
+        return load == nullptr;
+      },
+      [&](bool is_group) {
+        if (is_group) went_on(++taken);
+      });
 }
 
 std::optional<TileGroup> Tiling::next() {

@@ -6,10 +6,12 @@
 //
 // A tiling may be of a stretch of the tree only: then a grid is made in parts.
 //
-// Facets that are too many for that lie in bins. Each bin is a node of the tree (bins.hpp) and is loaded when the walk
-// reaches it.
+// Facets that are too many for that lie in bins. Each bin is a node of the tree (bins.hpp) and is loaded before the walk
+// reaches it, by the threads that cast the rays: each of them either loads or casts, so there is nothing to wait for. (With threads of their own for
+// loading, a core stood idle for a third of the time, while threads that were ready waited for the other one.)
 #pragma once
 #include <deque>
+#include <functional>
 #include <future>
 #include <memory>
 #include <optional>
@@ -45,18 +47,23 @@ struct TileGroup {
   std::vector<ListedFacet> facets;  // those that may meet its rays, from the lowest to the highest along them
 };
 
-// next() is not thread-safe; split() may run on any thread, also while next() runs.
+// next(), next_load() and pass() are not thread-safe; split() may run on any thread, also while they run.
 class Tiling {
  public:
   // Of facets in memory; `widened` bodies as in rays.hpp.
   Tiling(std::shared_ptr<const GridFacets> facets, const Metadata& meta, std::vector<uint8_t> widened, const TreeRange& range = {});
-  // `counter`, if not null, counts the facets of every bin; then bins outside the range are loaded, too. While the groups of one bin are
-  // taken, the next `ahead` bins with facets are loaded by other threads.
+  // `counter`, if not null, counts the facets of every bin; then bins outside the range are loaded, too. At most `ahead` bins with facets are loaded
+  // before their groups are taken.
   Tiling(std::unique_ptr<FacetBins> bins, BinnedCounter* counter, int ahead, const Metadata& meta, const TreeRange& range = {});
 
   uint64_t groups() const { return groups_; }
-  // The groups of the range in the order of the tree, including those without facets.
+  // The groups of the range in the order of the tree, including those without facets. Loads a bin that no next_load() has returned, and waits for one
+  // that another thread loads.
   std::optional<TileGroup> next();
+  // What loads the next bin, to be called once, on any thread; null if enough of them are loaded or being loaded.
+  std::function<void()> next_load();
+  // Takes so many groups, or all that are left, with several threads, and calls went_on(how many, on this thread) now and then.
+  void pass(uint64_t groups, int threads, const std::function<void(uint64_t taken)>& went_on);
   // Leaves out the groups with lower keys (pyramid.hpp). REQUIRES: the facets are in memory.
   void skip_to(uint64_t key) { range_.first = std::max(range_.first, key); }
   // For each tile in a row of the group's 4 x 4, the facets that may meet it, roughly from the lowest to the highest along the rays.
@@ -66,7 +73,7 @@ class Tiling {
   struct Node {
     TreePlace place;
     std::shared_ptr<const FacetBlock> block;  // null: the facets are in bins
-    std::vector<uint32_t> facets;             // ascending, so that a node's children are made by one walk through the block
+    std::vector<uint32_t> facets;  // ascending, so that a node's children are made by one walk through the block
   };
   class NodeBuilder;
   Tiling(const Metadata& meta, std::vector<uint8_t> widened, const TreeRange& range);
@@ -77,7 +84,6 @@ class Tiling {
   bool is_loaded_whole(const TreePlace& place) const { return place.depth == 0 || !bins_->is_split(place); }
   Node load(const TreePlace& place) const;
   Node take_bin(const TreePlace& place);
-  void load_ahead();
   std::vector<Node> children_of(const Node& node) const;
   static std::vector<ListedFacet> listed(const Node& node);
 
@@ -90,7 +96,7 @@ class Tiling {
   BinnedCounter* counter_ = nullptr;  // for bins
   size_t ahead_ = 0;
   std::vector<Node> path_;
-  std::deque<std::future<Node>> next_bins_;  // the next ones on the path; the last member, since their threads use the others
+  std::deque<std::future<Node>> next_bins_;  // the next ones on the path that next_load() has returned
 };
 
 }  // namespace teracell::mesher

@@ -1,6 +1,8 @@
 // Which facets each tile of rays is given, against looking at all of them.
 #include "mesher/tiles/tiling.hpp"
 
+#include <thread>
+
 #include "tests/mesher/tiles/tile_grids.hpp"
 #include "tests/support/meshed.hpp"
 
@@ -18,9 +20,15 @@ std::shared_ptr<GridFacets> stored(const std::vector<Facet>& facets) {
 // The layers of the facets that every chunk of rays is given, in the order in which it gets them.
 using Given = std::map<std::pair<uint32_t, uint32_t>, std::vector<uint32_t>>;  // by (cv, cu)
 
+// Before each group is taken, other threads begin to load as many bins as may be loaded.
 Given walk(Tiling& tiling) {
   Given out;
-  while (const auto unit = tiling.next())
+  std::vector<std::jthread> threads;
+  const auto next = [&] {
+    while (auto load = tiling.next_load()) threads.emplace_back(std::move(load));
+    return tiling.next();
+  };
+  while (const auto unit = next())
     for (uint32_t row = 0; row < 4; ++row) {
       const auto lists = tiling.split(*unit, row);
       for (uint32_t u = 0; u < 4; ++u)
@@ -169,7 +177,7 @@ TEST_CASE("A tile's facets come from the lowest to the highest along the rays, t
   }
 }
 
-TEST_CASE("Facets that lie in bins are handed to the tiles that facets in memory are handed to, loaded ahead or not", "[threads]") {
+TEST_CASE("Facets that lie in bins are handed to the tiles that facets in memory are handed to, loaded by other threads or not", "[threads]") {
   const TempFolder folder;
   std::mt19937_64 random(5);
   std::vector<Metadata> grids = tile_grids();
@@ -182,7 +190,7 @@ TEST_CASE("Facets that lie in bins are handed to the tiles that facets in memory
         facets.push_back({{at, {at[0] + 1, at[1] + random_in(random, 0, 1), at[2]}, {at[0], at[1], at[2] + random_in(random, 0, 1)}}});
       }
     Given expected = given(meta, facets);
-    for (const int ahead : {0, 3}) {
+    for (const auto& [ahead, passed] : {std::pair(0, false), {3, false}, {3, true}}) {
       auto bins = std::make_unique<FacetBins>(
           meta, 0, 0, false, Budget{1, folder.path()}, ahead > 0, [](const Facet& f, uint32_t) { return f; }, std::vector<uint8_t>{});
       FacetBins::Ready ready;
@@ -191,6 +199,15 @@ TEST_CASE("Facets that lie in bins are handed to the tiles that facets in memory
       bins->finish();
       BinnedCounter survey(std::vector<bool>(facets.size(), true));
       Tiling tiling(std::move(bins), &survey, ahead, meta);
+      if (passed) {  // what is taken first, group by group, and not used
+        Tiling in_memory(stored(facets), meta, {});
+        const uint64_t groups = tiling.groups() / 3;
+        for (uint64_t g = 0; g < groups; ++g) std::ignore = in_memory.next();
+        expected = walk(in_memory);
+        uint64_t taken = 0;
+        tiling.pass(groups, 2, [&](uint64_t all) { taken = all; });
+        CHECK(taken == groups);
+      }
       Given found = walk(tiling);
       for (Given* lists : {&expected, &found})
         for (auto& [tile, layers] : *lists) std::ranges::sort(layers);
