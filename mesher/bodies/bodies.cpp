@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "mesher/bodies/extent.hpp"
 #include "mesher/bodies/part_counts.hpp"
 #include "mesher/closing/extrude.hpp"
 #include "mesher/closing/lengths.hpp"
@@ -43,47 +44,32 @@ class Study {
   template <class F>
   void take(std::span<const F> facets, const SceneBody& body, uint32_t patch) {
     if (facets.empty()) return;
-    const bool moves = body.matrix != kIdentity;
     if (patch >= areas_.size()) areas_.resize(patch + 1);
-    Vec3 lo = lo_, hi = hi_, area = area_;  // stay in registers
-    double& patch_area = areas_[patch];
-    const bool counts = !facets_.is_sample();
-    uint64_t degenerate = 0;
-    for (const F& f : facets) {
-      __builtin_prefetch(&f + std::min<ptrdiff_t>(kFacetsAhead, &facets.back() - &f));
-      const Facet& facet = facet_of(f);
-      const std::array<VertexHash, 3> hashes = vertex_hashes(facet);
-      boundary_.add(hashes);
-      facets_.add(hashes);
-      if (counts) degenerate += has_no_area(facet);
-      std::array<Vec3, 3> p = facet.vertex;
-      if (moves)
-        for (Vec3& q : p) q = moved(q, body);
-      Vec3 cross;  // product of two sides
-      for (int w = 0; w < 3; ++w) {
-        const int u = (w + 1) % 3, v = (w + 2) % 3;
-        lo[w] = std::min(lo[w], std::min(std::min(p[0][w], p[1][w]), p[2][w]));
-        hi[w] = std::max(hi[w], std::max(std::max(p[0][w], p[1][w]), p[2][w]));
-        cross[w] = (p[1][u] - p[0][u]) * (p[2][v] - p[0][v]) - (p[1][v] - p[0][v]) * (p[2][u] - p[0][u]);
-        area[w] += std::abs(cross[w]) / 2;
+    // Some facets at once, which stay in the cache for what is found of them one after the other.
+    for (; !facets.empty(); facets = facets.subspan(std::min(facets.size(), kAtOnce))) {
+      const auto some = facets.first(std::min(facets.size(), kAtOnce));
+      count(some, static_cast<size_t>(&facets.back() - &some.back()));
+      if (body.matrix == kIdentity) {
+        measure(
+            some.size(), [&](size_t i) TERACELL_IN_LINE -> const Facet& { return facet_of(some[i]); }, areas_[patch]);
+        continue;
       }
-      const double size = std::sqrt((cross[0] * cross[0] + cross[1] * cross[1]) + cross[2] * cross[2]) / 2;
-      patch_area += size;
-      if (flat_.wanted()) flat_.take(p, size);
+      std::array<Facet, kAtOnce> there;
+      for (size_t i = 0; i < some.size(); ++i) there[i] = moved(facet_of(some[i]), body);
+      measure(
+          some.size(), [&](size_t i) TERACELL_IN_LINE -> const Facet& { return there[i]; }, areas_[patch]);
     }
-    lo_ = lo, hi_ = hi, area_ = area;
-    degenerate_ += degenerate;
   }
   // REQUIRES: all facets of the body were taken.
   void end_body() {
     const EqualFacets equal = facets_.equal();
     const SurfaceCounts counts = facets_.is_sample() ? SurfaceCounts() : SurfaceCounts{degenerate_, equal.duplicates, equal.opposite, 0};
-    bodies_.push_back({lo_, hi_, boundary_, equal.opposite_in_sample, counts, std::exchange(areas_, {}), std::move(flat_).found()});
+    bodies_.push_back({extent_.lo, extent_.hi, boundary_, equal.opposite_in_sample, counts, std::exchange(areas_, {}), std::move(flat_).found()});
     begin();
   }
   void hand_over(Bodies& out) {
     out.lo.fill(HUGE_VAL), out.hi.fill(-HUGE_VAL);
-    out.area = area_;
+    out.area = extent_.area;
     for (size_t b = 0; b < bodies_.size(); ++b) {
       BodyFacets& body = out.bodies[b];
       body.lo = bodies_[b].lo, body.hi = bodies_[b].hi;
@@ -108,16 +94,37 @@ class Study {
     std::vector<double> areas;
     FlatFaces flat;
   };
+  static constexpr size_t kAtOnce = 64;
+  // `behind`: how many facets come behind these.
+  template <class F>
+  void count(std::span<const F> facets, size_t behind) {
+    const bool counts = !facets_.is_sample();
+    uint64_t degenerate = 0;
+    for (const F& f : facets) {
+      __builtin_prefetch(&f + std::min<ptrdiff_t>(kFacetsAhead, &facets.back() - &f + static_cast<ptrdiff_t>(behind)));
+      const Facet& facet = facet_of(f);
+      const std::array<VertexHash, 3> hashes = vertex_hashes(facet);
+      boundary_.add(hashes);
+      facets_.add(hashes);
+      if (counts) degenerate += has_no_area(facet);
+    }
+    degenerate_ += degenerate;
+  }
+  template <class FacetOf>
+  void measure(size_t facets, const FacetOf& facet_of, double& area) {
+    if (flat_.wanted()) extent_.add(facets, facet_of, area, [&](size_t i, double size) { flat_.take(facet_of(i).vertex, size); });
+    else extent_.add(facets, facet_of, area, [](size_t, double) TERACELL_IN_LINE {});
+  }
   static const Facet& facet_of(const Facet& f) { return f; }
   static const Facet& facet_of(const SceneFacet& f) { return f.facet; }
   void begin() {
-    lo_.fill(HUGE_VAL), hi_.fill(-HUGE_VAL);
+    extent_ = {.area = extent_.area};
     boundary_ = {};
     facets_.clear();
     degenerate_ = 0;
     flat_ = FlatFaceSearch(flat_slack_);
   }
-  Vec3 lo_, hi_, area_{};
+  Extent extent_;  // of the body; the areas are of all bodies
   std::vector<double> areas_;  // of patches
   BoundaryProof boundary_;
   FacetSet facets_;  // a sample, unless what the surfaces are made of is counted

@@ -36,6 +36,8 @@ void BinnedCounter::Bin::add(const BinnedFacet& f) {
 }
 
 void BinnedCounter::Bin::finish() {
+  std::vector<std::pair<uint32_t, SurfaceCounts>> counts;
+  for (auto& [b, counter] : counters_) counts.emplace_back(b, counter.totals());
   std::lock_guard lock(all_.mutex_);
   std::map<std::pair<uint32_t, uint32_t>, uint32_t> node_of;  // by body and shell within the bin
   for (const Shared& f : shared_) {
@@ -51,8 +53,7 @@ void BinnedCounter::Bin::finish() {
     auto& nodes = all_.bodies_[f.body].nodes;
     if (const auto node = nodes.find(f.vertex); node != nodes.end() && node->second.to_come == 0) nodes.erase(node);
   }
-  for (auto& [b, counter] : counters_) {
-    const SurfaceCounts found = counter.totals();
+  for (const auto& [b, found] : counts) {
     SurfaceCounts& totals = all_.bodies_[b].totals;
     totals.degenerate += found.degenerate;
     totals.duplicates += found.duplicates;
