@@ -118,7 +118,8 @@ class MeshRun {
   }
 
   void cast(Casting& casting, Tiling& tiling) {
-    tiling.pass(groups_, run_.threads, [&](uint64_t done) { run_.progress("resume", static_cast<double>(done) / static_cast<double>(groups_)); });
+    if (groups_ > 0)
+      tiling.pass(groups_, run_.threads, [&](uint64_t done) { run_.progress("resume", static_cast<double>(done) / static_cast<double>(groups_)); });
     Checkpoints checkpoints(options_.checkpoint_seconds);
     casting.cast(
         tiling, [&] { return tiling.next(); }, *pyramid_,

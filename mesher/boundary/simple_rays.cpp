@@ -12,7 +12,7 @@ namespace {
 constexpr uint32_t kMostChanges = 64;
 
 // Numbers of eight rays at once. They are written out as vectors, since compilers leave most such loops as they are at -O2.
-constexpr uint32_t kLanes = 8;
+constexpr uint32_t kLanes = SimpleRays::kLanes;
 using Lanes [[gnu::vector_size(32)]] = int32_t;
 using FourLanes [[gnu::vector_size(16)]] = int32_t;
 
@@ -119,7 +119,7 @@ void SimpleRays::count(const Row& row, Alike& rays) {
   places_.resize(size_t{su} * sv * kLanes);
   int32_t* const places = places_.data();
   const uint32_t* const sub_cells = row.planes.cells.data() + corner;
-  const uint32_t* const layers = row.planes.layer ? nullptr : row.planes.layers.data() + corner;
+  const uint32_t* const layers = row.planes.layer_of_all ? nullptr : row.planes.layers.data() + corner;
   const uint32_t first_turn = sub_cells[0] & CrossingPlanes::kUp;
   for (size_t block = 0; block < blocks; ++block) {
     Spans* const spans = spans_.data() + rays.spans + block * changes;
@@ -193,11 +193,11 @@ uint32_t SimpleRays::add(uint32_t begin, MixedCells& out) {
   while (alike_[added_].end <= begin) ++added_;
   uint32_t end = begin;
   while (end < alike_[added_].end && simple_[end]) ++end;
-  add(alike_[added_], begin, end, out);
+  append(alike_[added_], begin, end, out);
   return end;
 }
 
-void SimpleRays::add(const Alike& rays, uint32_t begin, uint32_t end, MixedCells& out) const {
+void SimpleRays::append(const Alike& rays, uint32_t begin, uint32_t end, MixedCells& out) const {
   if (rays.cells == 0) {
     out.begin.insert(out.begin.end(), end - begin, static_cast<uint32_t>(out.stretches.size()));
     return;

@@ -15,6 +15,7 @@ class SimpleRays {
  public:
   // How many cells a change of a ray may be spread over.
   static constexpr uint32_t kMostCells = 64;
+  static constexpr uint32_t kLanes = 8;  // rays that are counted at once
 
   SimpleRays(const RayFrame& frame, const Subdivision& samples, std::vector<Label> label_of_layer)
       : su_(samples[frame.u]), sv_(samples[frame.v]), per_ray_(samples[frame.w]), label_of_layer_(std::move(label_of_layer)) {}
@@ -39,7 +40,6 @@ class SimpleRays {
   uint32_t add(uint32_t begin, MixedCells& out);
 
  private:
-  static constexpr uint32_t kLanes = 8;
   // Rays [begin, end) of the row: they have the same pattern, of a body and the background by turns, and their sub-rays have as many crossings
   // each. What is known of them lies from `spans` on in spans_, for eight rays at a time.
   struct Alike {
@@ -57,7 +57,7 @@ class SimpleRays {
   size_t corner_of(const Row& row, uint32_t ray) const;
   uint32_t find_alike(const Row& row, uint32_t begin, uint32_t end);
   void count(const Row& row, Alike& rays);
-  void add(const Alike& rays, uint32_t begin, uint32_t end, MixedCells& out) const;
+  void append(const Alike& rays, uint32_t begin, uint32_t end, MixedCells& out) const;
 
   const uint32_t su_, sv_, per_ray_;  // sub-rays of a ray along u and along v, and sub-samples of a cell along it
   const std::vector<Label> label_of_layer_;

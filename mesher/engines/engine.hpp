@@ -64,15 +64,15 @@ struct CrossingPlanes {
   std::vector<uint8_t> counts;                                         // of each ray (v * nu + u), its crossings
   size_t stride = 0;                                                   // from a plane to the next
   UnfilledVector<uint32_t> cells;                                      // of crossing k of a ray, at k * stride + ray; + kUp, if it goes up
-  std::optional<uint32_t> layer;                                       // of all crossings; of each its own stands in `layers`, if there is none
+  std::optional<uint32_t> layer_of_all;                                // if all crossings have one layer; else that of each stands in `layers`
   UnfilledVector<uint32_t> layers;
 
   // Empties the planes for so many rays.
-  void reset(size_t rays, std::optional<uint32_t> layer_of_all) {
+  void reset(size_t rays, std::optional<uint32_t> one_layer) {
     stride = rays + kMore;
     counts.assign(stride, 0);
-    layer = layer_of_all;
-    if (!layer && layers.size() < cells.size()) layers.resize(cells.size());
+    layer_of_all = one_layer;
+    if (!layer_of_all && layers.size() < cells.size()) layers.resize(cells.size());
     planes_ = std::min(cells.size() / stride, most());
   }
   size_t planes() const { return planes_; }  // that there is room for
@@ -84,16 +84,16 @@ struct CrossingPlanes {
     if (k == planes_) {
       planes_ = std::min(2 * planes_ + 2, most());
       cells.resize(planes_ * stride);
-      if (!layer) layers.resize(planes_ * stride);
+      if (!layer_of_all) layers.resize(planes_ * stride);
     }
     ++counts[ray];
     cells[k * stride + ray] = cell_and_up;
-    if (!layer) layers[k * stride + ray] = of_layer;
+    if (!layer_of_all) layers[k * stride + ray] = of_layer;
     return true;
   }
   uint64_t crossing(size_t ray, uint32_t k) const {
     const size_t at = k * stride + ray;
-    return Crossing::pack(cells[at] & ~kUp, layer ? *layer : layers[at], (cells[at] & kUp) != 0);
+    return Crossing::pack(cells[at] & ~kUp, layer_of_all ? *layer_of_all : layers[at], (cells[at] & kUp) != 0);
   }
   // Appends the crossings of a ray to others.
   void append(size_t ray, std::vector<uint64_t>& out) const {

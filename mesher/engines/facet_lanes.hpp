@@ -131,13 +131,13 @@ struct LaneHeights {
   using Far = std::array<double, kRays>;
   static bool is_close(const Far& far) { return *std::max_element(far.begin(), far.end()) >= 0.5; }
 
-  // For the rays u[k] of the row v: crossings[k] = that with facet i, for whole blocks of rays; or the low half of cells[k] = its cell + `more`. What is
-  // written for rays that do not cross it has no meaning. REQUIRES: a cell + `more` fits into 32 bits.
+  // For the rays u[k] of the row v: crossings[k] = that with facet i, for whole blocks of rays; or the low half of words[k] = its cell + `more`. What
+  // is written for rays that do not cross it has no meaning. REQUIRES: a cell + `more` fits into 32 bits.
   TERACELL_IN_LINE void cross(size_t i, const double* u, size_t size, double v, bool up, uint64_t* crossings, Far& far) const {
     for_each(i, u, size, v, 0, far, [=, rest = rest_[i] | up](size_t k, uint64_t cell) TERACELL_IN_LINE { crossings[k] = cell << 32 | rest; });
   }
-  TERACELL_IN_LINE void cells(size_t i, const double* u, size_t size, double v, uint32_t more, uint64_t* cells, Far& far) const {
-    for_each(i, u, size, v, more, far, [=](size_t k, uint64_t cell) TERACELL_IN_LINE { cells[k] = cell; });
+  TERACELL_IN_LINE void cells(size_t i, const double* u, size_t size, double v, uint32_t more, uint64_t* words, Far& far) const {
+    for_each(i, u, size, v, more, far, [=](size_t k, uint64_t cell) TERACELL_IN_LINE { words[k] = cell; });
   }
 
  private:

@@ -101,17 +101,16 @@ void Pieces::finish_counting() {
   counting_ = false;
 }
 
-// Groups before the range lie in pieces that others make or have made.
+// Groups before the range lie in pieces that others make or have made, and are passed by.
 std::optional<TileGroup> Pieces::next_in(const TreeRange& range) {
   if (in_memory()) tiling_->skip_to(range.first);
-  for (;;) {
-    if (!waiting_) waiting_ = tiling_->next();
-    if (!waiting_) return std::nullopt;
-    const uint64_t key = tree_key(waiting_->cu, waiting_->cv);
-    if (key >= range.end) return std::nullopt;
-    auto group = std::exchange(waiting_, std::nullopt);
-    if (key >= range.first) return group;
-  }
+  if (!waiting_) waiting_ = tiling_->next();
+  if (!waiting_) return std::nullopt;
+  const uint64_t key = tree_key(waiting_->cu, waiting_->cv);
+  if (!waiting_->passed && key >= range.end) return std::nullopt;
+  auto group = std::exchange(waiting_, std::nullopt);
+  group->passed |= key < range.first;
+  return group;
 }
 
 MeshReport Pieces::report(const CastTotals& totals) {

@@ -32,31 +32,27 @@ Casting::Casting(const PreparedRun& run, const EngineMaker& make_engine) : run_(
 void Casting::cast(Tiling& tiling, const std::function<std::optional<TileGroup>()>& next_group, PyramidWriter& pyramid,
                    const std::function<void(const TileGroupWork&)>& stored) {
   struct Job {
-    std::shared_ptr<TileGroupWork> work;  // null: `load` is to be done
+    std::shared_ptr<TileGroupWork> work;  // null: a bin was passed by
     uint32_t row;
-    std::function<void()> load;
   };
-  Job next{nullptr, TileGroupWork::kRows, nullptr};
+  Job next{nullptr, TileGroupWork::kRows};
   // Groups that are stored. To free them takes time, so a thread that casts does it.
   std::vector<std::shared_ptr<TileGroupWork>> to_free;
   std::mutex of_stored;
   in_order(
       run_.threads,
       [&]() -> std::optional<Job> {
-        if (auto load = tiling.next_load()) return Job{nullptr, 0, std::move(load)};
         if (next.row == TileGroupWork::kRows) {
           auto group = next_group();
           if (!group) return std::nullopt;
+          if (group->passed) return Job{nullptr, 0};
           auto above = pyramid.node_above(2, group->cu, group->cv);
-          next = {std::make_shared<TileGroupWork>(std::move(*group), tiling, run_.plan.meta, std::move(above)), 0, nullptr};
+          next = {std::make_shared<TileGroupWork>(std::move(*group), tiling, run_.plan.meta, std::move(above)), 0};
         }
-        return Job{next.work, next.row++, nullptr};
+        return Job{next.work, next.row++};
       },
       [&](Job job, int worker) {
-        if (!job.work) {
-          job.load();
-          return job;
-        }
+        if (!job.work) return job;
         std::unique_lock lock(of_stored);
         auto freed = std::exchange(to_free, {});
         lock.unlock();
@@ -73,7 +69,7 @@ void Casting::cast(Tiling& tiling, const std::function<std::optional<TileGroup>(
         std::lock_guard lock(of_stored);
         to_free.push_back(std::move(job.work));
       },
-      size_t{2} * TileGroupWork::kRows, run_.bodies.helper.get());
+      size_t{2} * TileGroupWork::kRows, run_.bodies.helper.get(), [&] { return tiling.next_load(); });
 }
 
 }  // namespace teracell::mesher

@@ -152,23 +152,21 @@ std::function<void()> Tiling::next_load() {
 }
 
 void Tiling::pass(uint64_t groups, int threads, const std::function<void(uint64_t taken)>& went_on) {
-  using Load = std::function<void()>;
   uint64_t left = groups, taken = 0;
   in_order(
       threads,
-      [&]() -> std::optional<Load> {
-        if (auto load = next_load()) return load;
-        if (left == 0 || !next()) return std::nullopt;
-        --left;
-        return Load();
+      [&]() -> std::optional<bool> {
+        if (left == 0) return std::nullopt;
+        const auto group = next();
+        if (!group) return std::nullopt;
+        left -= !group->passed;
+        return group->passed;
       },
-      [](const Load& load, int) {
-        if (load) load();
-        return load == nullptr;
+      [](bool passed, int) { return passed; },
+      [&](bool passed) {
+        if (!passed) went_on(++taken);
       },
-      [&](bool is_group) {
-        if (is_group) went_on(++taken);
-      });
+      2, nullptr, [this] { return next_load(); });
 }
 
 std::optional<TileGroup> Tiling::next() {
@@ -176,7 +174,10 @@ std::optional<TileGroup> Tiling::next() {
     Node node = std::move(path_.back());
     path_.pop_back();
     if (!node.block && is_loaded_whole(node.place)) node = take_bin(node.place);
-    if (!wanted(node.place) && (node.block || is_loaded_whole(node.place))) continue;  // its facets were only counted
+    if (!wanted(node.place) && (node.block || is_loaded_whole(node.place))) {  // its facets were only counted
+      if (bins_ && bins_->has_facets(node.place)) return TileGroup{.cu = 0, .cv = 0, .block = nullptr, .facets = {}, .passed = true};
+      continue;
+    }
     if (node.place.depth == 0) {
       std::vector<ListedFacet> facets = listed(node);
       return TileGroup{node.place.cu, node.place.cv, std::move(node.block), std::move(facets)};

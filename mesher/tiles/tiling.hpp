@@ -45,6 +45,7 @@ struct TileGroup {
   uint32_t cu, cv;  // its place, in groups
   std::shared_ptr<const FacetBlock> block;
   std::vector<ListedFacet> facets;  // those that may meet its rays, from the lowest to the highest along them
+  bool passed = false;  // it is none: the walk has passed by rays that are not wanted, and others may use their turn
 };
 
 // next(), next_load() and pass() are not thread-safe; split() may run on any thread, also while they run.
@@ -57,12 +58,13 @@ class Tiling {
   Tiling(std::unique_ptr<FacetBins> bins, BinnedCounter* counter, int ahead, const Metadata& meta, const TreeRange& range = {});
 
   uint64_t groups() const { return groups_; }
-  // The groups of the range in the order of the tree, including those without facets. Loads a bin that no next_load() has returned, and waits for one
-  // that another thread loads.
+  // The groups of the range in the order of the tree, including those without facets; or TileGroup::passed, when a bin was passed by. Loads a bin
+  // that no next_load() has returned, and waits for one that another thread loads.
   std::optional<TileGroup> next();
-  // What loads the next bin, to be called once, on any thread; null if enough of them are loaded or being loaded.
+  // What loads the next bin, for in_order() to do aside; null if enough of them are loaded or being loaded. It must be called once, on any thread,
+  // since next() will wait for it.
   std::function<void()> next_load();
-  // Takes so many groups, or all that are left, with several threads, and calls went_on(how many, on this thread) now and then.
+  // Takes so many groups, or all that are left, with several threads, and calls went_on(how many) on this one after each.
   void pass(uint64_t groups, int threads, const std::function<void(uint64_t taken)>& went_on);
   // Leaves out the groups with lower keys (pyramid.hpp). REQUIRES: the facets are in memory.
   void skip_to(uint64_t key) { range_.first = std::max(range_.first, key); }

@@ -4,6 +4,7 @@
 #include <condition_variable>
 #include <cstdint>
 #include <exception>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -34,14 +35,19 @@ inline bool is_alone(int threads) {
 // three ends the loop and is thrown here. Of several exceptions it is that of the earliest job, so errors don't depend on
 // timing.
 //
+// Before it makes a job, each of several threads calls aside(), as next(), and does what that returns, if anything: work without a result, for which
+// nothing waits its turn, and which must not throw.
+//
 // If `idle` has a thread, that is the last worker as soon as it has done its own jobs; if the loop ends before, it takes no part. What its own jobs
 // throw is not thrown here. next, make and take must not call `idle`. (A new thread beside one that still works would be one more than was asked for.
 // On as many cores two of them then shared one, for 10 to 20 ms even after the other core had become free.)
 //
 // The calling thread takes what is there before it makes the next one, so taking wakes nobody. Rejected: a thread that does nothing but take.
 // It was woken for every few results and took a core from a thread that makes: meshing 10^12 cells on two cores took 1.08 times as long.
+using Aside = std::function<void()>;
 template <class Next, class Make, class Take>
-void in_order(int threads, Next next, Make make, Take take, uint64_t ahead = 2, Background* idle = nullptr) {
+void in_order(int threads, Next next, Make make, Take take, uint64_t ahead = 2, Background* idle = nullptr,
+              const std::function<Aside()>& aside = nullptr) {
   if (is_alone(threads)) {
     while (auto job = next()) take(make(std::move(*job), 0));
     return;
@@ -63,12 +69,31 @@ void in_order(int threads, Next next, Make make, Take take, uint64_t ahead = 2, 
   const auto is_full = [&] { return started == taken + outcomes.size(); };
   std::mutex next_mutex;  // of its own: results are handed over while next() takes long
 
-  // Makes the next one. False if there is none or, on the calling thread, which alone makes room, if there is no room for it.
+  // Makes the next one, or does what there is aside. False if there is none or, on the calling thread, which alone makes room, if there is no room
+  // for it.
   const auto make_one = [&](int worker) {
     std::optional<Job> job;
     Outcome* outcome = nullptr;
     {
       std::unique_lock in_next(next_mutex);
+      std::exception_ptr error;  // of the job that would be next
+      if (aside) {
+        {
+          std::lock_guard lock(mutex);
+          if (stop || exhausted || (worker == 0 && is_full())) return false;
+        }
+        Aside work;
+        try {
+          work = aside();
+        } catch (...) {
+          error = std::current_exception();
+        }
+        if (work) {
+          in_next.unlock();
+          work();
+          return true;
+        }
+      }
       for (std::unique_lock lock(mutex); outcome == nullptr;) {
         if (stop || exhausted || (worker == 0 && is_full())) return false;
         if (!is_full()) {
@@ -82,6 +107,7 @@ void in_order(int threads, Next next, Make make, Take take, uint64_t ahead = 2, 
         }
       }
       try {
+        if (error) std::rethrow_exception(error);
         job = next();
       } catch (...) {
         outcome->error = std::current_exception();

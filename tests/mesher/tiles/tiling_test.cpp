@@ -189,8 +189,16 @@ TEST_CASE("Facets that lie in bins are handed to the tiles that facets in memory
         const Vec3 at = {random_in(random, 0, 9), random_in(random, 0, 70), random_in(random, 0, 20)};
         facets.push_back({{at, {at[0] + 1, at[1] + random_in(random, 0, 1), at[2]}, {at[0], at[1], at[2] + random_in(random, 0, 1)}}});
       }
-    Given expected = given(meta, facets);
-    for (const auto& [ahead, passed] : {std::pair(0, false), {3, false}, {3, true}}) {
+    const uint64_t groups = Tiling(stored(facets), meta, {}).groups();
+    const struct {
+      int ahead;
+      uint64_t passed;  // groups that are taken first and not used
+      TreeRange range;
+    } ways[] = {{0, 0, {}}, {3, 0, {}}, {3, groups / 3, {}}, {0, 0, {1, 3}}, {3, 0, {1, 3}}};
+    for (const auto& [ahead, passed, range] : ways) {
+      Tiling in_memory(stored(facets), meta, {}, range);
+      for (uint64_t g = 0; g < passed; ++g) REQUIRE(in_memory.next());
+      Given expected = walk(in_memory);
       auto bins = std::make_unique<FacetBins>(
           meta, 0, 0, false, Budget{1, folder.path()}, ahead > 0, [](const Facet& f, uint32_t) { return f; }, std::vector<uint8_t>{});
       FacetBins::Ready ready;
@@ -198,16 +206,10 @@ TEST_CASE("Facets that lie in bins are handed to the tiles that facets in memory
       bins->add(ready);
       bins->finish();
       BinnedCounter survey(std::vector<bool>(facets.size(), true));
-      Tiling tiling(std::move(bins), &survey, ahead, meta);
-      if (passed) {  // what is taken first, group by group, and not used
-        Tiling in_memory(stored(facets), meta, {});
-        const uint64_t groups = tiling.groups() / 3;
-        for (uint64_t g = 0; g < groups; ++g) std::ignore = in_memory.next();
-        expected = walk(in_memory);
-        uint64_t taken = 0;
-        tiling.pass(groups, 2, [&](uint64_t all) { taken = all; });
-        CHECK(taken == groups);
-      }
+      Tiling tiling(std::move(bins), &survey, ahead, meta, range);
+      uint64_t taken = 0;
+      if (passed > 0) tiling.pass(passed, 2, [&](uint64_t all) { taken = all; });
+      CHECK(taken == passed);
       Given found = walk(tiling);
       for (Given* lists : {&expected, &found})
         for (auto& [tile, layers] : *lists) std::ranges::sort(layers);

@@ -182,6 +182,41 @@ TEST_CASE("An exception of take ends the loop, though all threads wait for room"
     }
 }
 
+TEST_CASE("What is done aside holds up no result, and all of it has been done in the end", "[threads]") {
+  const auto caller = std::this_thread::get_id();
+  int begun = 0;
+  std::atomic<int> taken = 0, done = 0, early = 0;
+  in_order(
+      3, counting_to(300), [](int job, int) { return job; }, [&](int) { ++taken; }, 2, nullptr,
+      [&]() -> Aside {
+        if (begun == 2 || std::this_thread::get_id() == caller) return nullptr;
+        return [&, first = begun++ == 0] {
+          if (first)  // far more than may wait for their turn
+            while (taken < 100) std::this_thread::yield();
+          early += taken < 300;
+          ++done;
+        };
+      });
+  CHECK(taken == 300);
+  CHECK(done == begun);
+  CHECK(begun > 0);
+  CHECK(early > 0);
+}
+
+TEST_CASE("An exception of asking what there is aside is that of the job that would be next", "[threads]") {
+  for (int threads = 2; threads <= 4; ++threads) {
+    int taken = 0, asked = 0;
+    REQUIRE_THROWS_WITH(in_order(
+                            threads, counting_to(100), [](int job, int) { return job; }, [&](int) { ++taken; }, 2, nullptr,
+                            [&]() -> Aside {
+                              if (++asked == 20) throw std::runtime_error("no memory");
+                              return nullptr;
+                            }),
+                        "no memory");
+    CHECK(taken == 19);
+  }
+}
+
 TEST_CASE("A thread that has other work to do first is a worker afterwards, in place of a new one", "[threads]") {
   for (int threads = 2; threads <= 4; ++threads) {
     Background idle(true);
