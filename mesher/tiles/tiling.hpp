@@ -7,8 +7,9 @@
 // A tiling may be of a stretch of the tree only: then a grid is made in parts.
 //
 // Facets that are too many for that lie in bins. Each bin is a node of the tree (bins.hpp) and is loaded before the walk
-// reaches it, by the threads that cast the rays: each of them either loads or casts, so there is nothing to wait for. (With threads of their own for
-// loading, a core stood idle for a third of the time, while threads that were ready waited for the other one.)
+// reaches it, by the threads that cast the rays: each of them either loads or casts, so there is hardly anything to wait for. (With threads of their
+// own for loading, a core stood idle for a third of the time, while threads that were ready waited for the other one. With a taking thread that loads
+// only where it has no rows to cast, 25.6 million facets took 1.1 times as long.)
 #pragma once
 #include <deque>
 #include <functional>

@@ -29,6 +29,8 @@ inline bool is_alone(int threads) {
 #endif
 }
 
+using Aside = std::function<void()>;
+
 // next() -> std::optional<Job> is called by one thread at a time, in order. make(job, worker) -> Result runs on `threads`
 // threads, with worker in [0, threads); the calling thread is worker 0. take(Result) runs on the calling thread in the order of the jobs. The
 // results that wait for an earlier one are bounded: a thread that is `ahead` * threads jobs ahead sleeps. An exception of any of the
@@ -44,7 +46,6 @@ inline bool is_alone(int threads) {
 //
 // The calling thread takes what is there before it makes the next one, so taking wakes nobody. Rejected: a thread that does nothing but take.
 // It was woken for every few results and took a core from a thread that makes: meshing 10^12 cells on two cores took 1.08 times as long.
-using Aside = std::function<void()>;
 template <class Next, class Make, class Take>
 void in_order(int threads, Next next, Make make, Take take, uint64_t ahead = 2, Background* idle = nullptr,
               const std::function<Aside()>& aside = nullptr) {
