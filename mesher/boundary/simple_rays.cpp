@@ -133,7 +133,7 @@ void SimpleRays::count(const Row& row, Alike& rays) {
     on_vector_unit([=, &used, &of_block]() TERACELL_IN_LINE {
       for (uint32_t n = 0; layers && n < changes; ++n)
         for (uint32_t j = 0; j < sv; ++j)
-          if (!are_all(layers[0], layers + n * stride + j * row_size + size_t{first} * su, width * su)) return;
+          if (!are_all(layers[0], layers + n * stride + j * row_size + size_t{first} * su, size_t{width} * su)) return;
 
       uint32_t ray[kLanes];
       size_t sub_rays[kLanes];
