@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include "mesher/boundary/sub_axis.hpp"
-#include "store/base/system/vector_units.hpp"
 
 namespace teracell::mesher {
 namespace {

@@ -59,11 +59,14 @@ TERACELL_IN_LINE inline bool are_all(uint32_t word, const uint32_t* words, size_
 
 }  // namespace
 
+void SimpleRays::find_none(uint32_t rays) {
+  simple_.assign(rays, 0);
+  alike_.clear(), spans_.clear();
+  added_ = backgrounds_size_ = 0;
+}
+
 void SimpleRays::find(const Row& row) {
   find_none(row.size);
-  added_ = 0;
-  spans_.clear();
-  backgrounds_size_ = 0;
   const uint32_t* const patterns = row.runs.pattern.data() + row.first;
   for (uint32_t begin = 0; begin < row.size;) {
     uint32_t end = begin + 1;

@@ -33,7 +33,7 @@ class SimpleRays {
   // Finds which of them are simple.
   void find(const Row& row);
   // None of so many rays is simple.
-  void find_none(uint32_t rays) { simple_.assign(rays, 0), alike_.clear(); }
+  void find_none(uint32_t rays);
   bool has(uint32_t ray) const { return simple_[ray] != 0; }
   // Appends the simple rays of the row from `begin` on, up to one that is not simple or has other labels. Returns where they end. REQUIRES: this one
   // is simple; the simple ones before it have been added.

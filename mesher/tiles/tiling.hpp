@@ -46,7 +46,7 @@ struct TileGroup {
   uint32_t cu, cv;  // its place, in groups
   std::shared_ptr<const FacetBlock> block;
   std::vector<ListedFacet> facets;  // those that may meet its rays, from the lowest to the highest along them
-  bool passed = false;  // it is none: the walk has passed by rays that are not wanted, and others may use their turn
+  bool passed = false;  // no group: the walk went on outside the range, and others may have their turn before it goes on
 };
 
 // next(), next_load() and pass() are not thread-safe; split() may run on any thread, also while they run.

@@ -37,8 +37,8 @@ using Aside = std::function<void()>;
 // three ends the loop and is thrown here. Of several exceptions it is that of the earliest job, so errors don't depend on
 // timing.
 //
-// Before it makes a job, each of several threads calls aside(), as next(), and does what that returns, if anything: work without a result, for which
-// nothing waits its turn, and which must not throw.
+// With several threads, each of them calls aside() before it makes a job, one thread at a time and never during next(). If that returns work, the
+// thread does it in place of a job. Such work has no result, so nothing waits its turn for it; it must not throw.
 //
 // If `idle` has a thread, that is the last worker as soon as it has done its own jobs; if the loop ends before, it takes no part. What its own jobs
 // throw is not thrown here. next, make and take must not call `idle`. (A new thread beside one that still works would be one more than was asked for.
