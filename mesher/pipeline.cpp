@@ -165,7 +165,7 @@ class MeshRun {
 
   void describe_run(const TiledFacets& facets) {
     RunReport& run = run_.run;
-    run.peak_memory_bytes = system::peak_bytes();
+    run.peak_memory_bytes = system::peak_bytes() + facets.held_bytes();
     run.threads = run_.threads;
     run.engine = options_.engine;
     run.exact_decisions = totals_.exact_decisions;

@@ -28,43 +28,101 @@ constexpr uint64_t kMostTogether = uint64_t{4} << 20;
 
 // Facets were written by another processor. Asked for so many facets before they are used, they arrive in time; the processor asked by itself for too
 // few, and waiting for the others took half of the time of the study.
-constexpr ptrdiff_t kFacetsAhead = 16;
+constexpr size_t kFacetsAhead = 16;
 
-// The one pass over all facets. Of each body it finds whether its surface is closed, whether it has opposite facets, and, if `count`, how many of its
-// facets lie on others or have no area; of all of them, where their matrices put them, the box and the areas of their projections.
+// So many facets are looked at together: they stay in the cache for what is found of them one after the other.
+constexpr size_t kAtOnce = 64;
+
+// What a pass over the facets of a body finds that does not depend on their order: whether the surface is closed, whether it has opposite facets,
+// and, unless only a sample is kept, how many lie on others or have no area.
+class alignas(64) Topology {  // so that those of different threads share no line of a cache
+ public:
+  template <class F>
+  void take(std::span<const F> facets, size_t behind);
+  void add(const Topology& other) { boundary_.add(other.boundary_), facets_.add(other.facets_); }  // of the same body; both keep samples
+  void keep_sample() { facets_.keep_sample(); }
+  void begin() {
+    boundary_ = {};
+    facets_.clear();
+    degenerate_ = 0;
+  }
+  const BoundaryProof& boundary() const { return boundary_; }
+  // Counts, without shells, and whether there are opposite facets.
+  std::pair<SurfaceCounts, bool> found() {
+    const EqualFacets equal = facets_.equal();
+    const SurfaceCounts counts = facets_.is_sample() ? SurfaceCounts() : SurfaceCounts{degenerate_, equal.duplicates, equal.opposite, 0};
+    return {counts, equal.opposite_in_sample};
+  }
+
+ private:
+  BoundaryProof boundary_;
+  FacetSet facets_;
+  uint64_t degenerate_ = 0;
+};
+
+const Facet& facet_of(const Facet& f) { return f; }
+const Facet& facet_of(const SceneFacet& f) { return f.facet; }
+
+// `behind`: how many facets come behind these in memory. REQUIRES: at most kAtOnce facets.
+template <class F>
+void Topology::take(std::span<const F> facets, size_t behind) {
+  std::array<std::array<VertexHash, 3>, kAtOnce> hashes;
+  for (size_t i = 0; i < facets.size(); ++i) {
+    __builtin_prefetch(&facets[i] + std::min<size_t>(kFacetsAhead, facets.size() - 1 - i + behind));
+    hashes[i] = vertex_hashes(facet_of(facets[i]));
+    facets_.add(hashes[i]);
+  }
+  boundary_.add(std::span(hashes).first(facets.size()));
+  if (facets_.is_sample()) return;
+  for (const F& f : facets) degenerate_ += has_no_area(facet_of(f));
+}
+
+// The one pass over all facets. Of each body it finds its Topology; of all of them, where their matrices put them, the box and the areas of their
+// projections. Areas are sums of those of FacetBlocks::kFacets facets that come one after another, whether they come as blocks or not.
 class Study {
  public:
-  Study(const Vec3& flat_slack, bool count) : flat_slack_(flat_slack) {
+  Study(const Vec3& flat_slack, bool count) : flat_slack_(flat_slack), flat_(flat_slack) {
     if (!count) count_no_longer();
     begin();
   }
   // What the surfaces are made of will be counted when they are read once more.
-  void count_no_longer() { facets_.keep_sample(); }
+  void count_no_longer() { topology_.keep_sample(); }
   // Facets of one patch.
   template <class F>
   void take(std::span<const F> facets, const SceneBody& body, uint32_t patch) {
-    if (facets.empty()) return;
-    if (patch >= areas_.size()) areas_.resize(patch + 1);
-    // Some facets at once, which stay in the cache for what is found of them one after the other.
-    for (; !facets.empty(); facets = facets.subspan(std::min(facets.size(), kAtOnce))) {
-      const auto some = facets.first(std::min(facets.size(), kAtOnce));
-      count(some, static_cast<size_t>(&facets.back() - &some.back()));
-      if (body.matrix == kIdentity) {
-        measure(
-            some.size(), [&](size_t i) TERACELL_IN_LINE -> const Facet& { return facet_of(some[i]); }, areas_[patch]);
-        continue;
-      }
-      std::array<Facet, kAtOnce> there;
-      for (size_t i = 0; i < some.size(); ++i) there[i] = moved(facet_of(some[i]), body);
-      measure(
-          some.size(), [&](size_t i) TERACELL_IN_LINE -> const Facet& { return there[i]; }, areas_[patch]);
+    if (patch != patch_) end_group(), patch_ = patch;
+    while (!facets.empty()) {
+      const auto some = facets.first(std::min(facets.size(), FacetBlocks::kFacets - in_group_));
+      facets = facets.subspan(some.size());
+      if (flat_.wanted())
+        take_some(some, facets.size(), body, topology_, group_, [this](const Facet& f, double size) { flat_.take(f.vertex, size); });
+      else take_some(some, facets.size(), body, topology_, group_, kNoFlat);
+      in_group_ += some.size();
+      if (in_group_ == FacetBlocks::kFacets) end_group();
     }
   }
+  // Whether the facets of a body may come as blocks, in parts on several threads: take_block() for each, on any thread with a topology that no other
+  // one uses; then add_block() with the outcome, in the order of the blocks; and add_topology() for each thread.
+  bool takes_blocks() const { return !FlatFaceSearch(flat_slack_).wanted(); }
+  struct Measures {
+    Extent extent;
+    double size = 0;  // the areas of all facets
+  };
+  static Measures take_block(std::span<const Facet> facets, const SceneBody& body, Topology& topology) {
+    Measures out;
+    take_some(facets, 0, body, topology, out, kNoFlat);
+    return out;
+  }
+  void add_block(const Measures& of_block, uint32_t patch) {
+    if (patch >= areas_.size()) areas_.resize(patch + 1);
+    extent_.add(of_block.extent), areas_[patch] += of_block.size;
+  }
+  void add_topology(Topology& of_thread) { topology_.add(of_thread), of_thread.begin(); }
   // REQUIRES: all facets of the body were taken.
   void end_body() {
-    const EqualFacets equal = facets_.equal();
-    const SurfaceCounts counts = facets_.is_sample() ? SurfaceCounts() : SurfaceCounts{degenerate_, equal.duplicates, equal.opposite, 0};
-    bodies_.push_back({extent_.lo, extent_.hi, boundary_, equal.opposite_in_sample, counts, std::exchange(areas_, {}), std::move(flat_).found()});
+    end_group();
+    const auto [counts, opposites] = topology_.found();
+    bodies_.push_back({extent_.lo, extent_.hi, topology_.boundary(), opposites, counts, std::exchange(areas_, {}), std::move(flat_).found()});
     begin();
   }
   void hand_over(Bodies& out) {
@@ -94,43 +152,44 @@ class Study {
     std::vector<double> areas;
     FlatFaces flat;
   };
-  static constexpr size_t kAtOnce = 64;
-  // `behind`: how many facets come behind these.
-  template <class F>
-  void count(std::span<const F> facets, size_t behind) {
-    const bool counts = !facets_.is_sample();
-    uint64_t degenerate = 0;
-    for (const F& f : facets) {
-      __builtin_prefetch(&f + std::min<ptrdiff_t>(kFacetsAhead, &facets.back() - &f + static_cast<ptrdiff_t>(behind)));
-      const Facet& facet = facet_of(f);
-      const std::array<VertexHash, 3> hashes = vertex_hashes(facet);
-      boundary_.add(hashes);
-      facets_.add(hashes);
-      if (counts) degenerate += has_no_area(facet);
+  static constexpr auto kNoFlat = [](const Facet&, double) TERACELL_IN_LINE {};
+  template <class F, class TakeFlat>
+  static void take_some(std::span<const F> facets, size_t behind, const SceneBody& body, Topology& topology, Measures& out,
+                        const TakeFlat& take_flat) {
+    for (; !facets.empty(); facets = facets.subspan(std::min(facets.size(), kAtOnce))) {
+      const auto some = facets.first(std::min(facets.size(), kAtOnce));
+      topology.take(some, static_cast<size_t>(&facets.back() - &some.back()) + behind);
+      const auto measure = [&](const auto& facet_at) {
+        out.extent.add(some.size(), facet_at, out.size, [&](size_t i, double size) TERACELL_IN_LINE { take_flat(facet_at(i), size); });
+      };
+      if (body.matrix == kIdentity) {
+        measure([&](size_t i) TERACELL_IN_LINE -> const Facet& { return facet_of(some[i]); });
+        continue;
+      }
+      std::array<Facet, kAtOnce> there;
+      for (size_t i = 0; i < some.size(); ++i) there[i] = moved(facet_of(some[i]), body);
+      measure([&](size_t i) TERACELL_IN_LINE -> const Facet& { return there[i]; });
     }
-    degenerate_ += degenerate;
   }
-  template <class FacetOf>
-  void measure(size_t facets, const FacetOf& facet_of, double& area) {
-    if (flat_.wanted()) extent_.add(facets, facet_of, area, [&](size_t i, double size) { flat_.take(facet_of(i).vertex, size); });
-    else extent_.add(facets, facet_of, area, [](size_t, double) TERACELL_IN_LINE {});
+  void end_group() {
+    if (in_group_ == 0) return;
+    add_block(std::exchange(group_, {}), patch_);
+    in_group_ = 0;
   }
-  static const Facet& facet_of(const Facet& f) { return f; }
-  static const Facet& facet_of(const SceneFacet& f) { return f.facet; }
   void begin() {
     extent_ = {.area = extent_.area};
-    boundary_ = {};
-    facets_.clear();
-    degenerate_ = 0;
+    topology_.begin();
     flat_ = FlatFaceSearch(flat_slack_);
+    patch_ = 0;
   }
   Extent extent_;  // of the body; the areas are of all bodies
   std::vector<double> areas_;  // of patches
-  BoundaryProof boundary_;
-  FacetSet facets_;  // a sample, unless what the surfaces are made of is counted
-  uint64_t degenerate_ = 0;
+  Topology topology_;
   const Vec3 flat_slack_;
   FlatFaceSearch flat_;
+  Measures group_;  // of the last in_group_ facets
+  size_t in_group_ = 0;
+  uint32_t patch_ = 0;  // of these
   std::vector<Found> bodies_;
 };
 
@@ -156,7 +215,7 @@ bool together(const Scene& scene, const Budget& budget) {
 // job per body, a scene of 100,000 bodies spent more time on handing over than on the work.)
 class BodyReader {
  public:
-  BodyReader(const Scene& scene, const ExactSurfaces& exact, const Budget& budget, bool count, Bodies& out)
+  BodyReader(const Scene& scene, const ExactSurfaces& exact, int threads, const Budget& budget, bool count, Bodies& out)
       : scene_(scene),
         exact_(exact),
         budget_(budget),
@@ -164,7 +223,8 @@ class BodyReader {
         most_(std::min(budget.bytes / 8 * 5 / kBytesPerFacet, together_ ? ~uint64_t{0} : kMostTogether)),
         count_(count),
         out_(out),
-        shells_(out.shells) {}
+        shells_(out.shells),
+        of_threads_(static_cast<size_t>(FacetBlocks::readers(budget, threads))) {}
 
   void read(const std::function<void(double)>& progress) {
     out_.bodies.reserve(scene_.bodies.size());
@@ -173,6 +233,16 @@ class BodyReader {
       const uint32_t layer = layer_of(b, body.fill == Fill::kEvenodd);  // close_bodies() may change the layer
       BodyFacets& found = out_.bodies.emplace_back();
       if (exact_.has(b)) found.cad = exact_.of_body[b];
+      const FacetBlocks blocks{.threads = static_cast<int>(of_threads_.size()),
+                               .idle = out_.helper.get(),
+                               .ahead = 8,
+                               .wanted = [&] { return begin_blocks(); },
+                               .take = [&](std::span<const Facet> facets, int worker) -> std::function<void()> {
+                                 return [this, &progress, b, measures = Study::take_block(facets, body, of_threads_[static_cast<size_t>(worker)])] {
+                                   study_->add_block(measures, patch_);
+                                   progress(static_cast<double>(b) / static_cast<double>(scene_.bodies.size()));
+                                 };
+                               }};
       found.first = out_.in_memory ? out_.facets->size() : 0;
       found.file = read_facets(body.mesh, body.part,
                                [&](std::span<const Facet> facets) {
@@ -187,7 +257,9 @@ class BodyReader {
                                 .helper = out_.helper.get(),
                                 .expect = [&](uint64_t facets) { make_room(facets); },
                                 .enter_patch = [&](uint32_t patch) { patch_ = patch; },
+                                .blocks = of_threads_.size() > 1 ? &blocks : nullptr,
                                 .numbers = count_ ? &numbers_ : nullptr});
+      end_blocks();
       if (KeptTree* kept = kept_of(body); kept && kept->tree->repeats()) {
         found.repeats = true;
         if (count_) found.counts = part_counts(*kept, body.part);
@@ -222,6 +294,20 @@ class BodyReader {
     std::vector<std::array<uint32_t, 3>> numbers;
     size_t facets = 0;
   };
+
+  // Where facets are not kept, those of a file that can be told apart are studied by all threads. (With one thread that reads and one that studies,
+  // the second one was the bound.)
+  bool begin_blocks() {
+    if (out_.in_memory || !study_->takes_blocks()) return false;
+    hand_on();
+    out_.helper->finish();
+    for (Topology& of_thread : of_threads_) of_thread.keep_sample();
+    return has_blocks_ = true;
+  }
+  void end_blocks() {
+    if (!std::exchange(has_blocks_, false)) return;
+    for (Topology& of_thread : of_threads_) study_->add_topology(of_thread);
+  }
 
   void take(size_t b, uint32_t layer, std::span<const Facet> facets) {
     if (out_.in_memory && !together_ && has_copies(b, facets.size())) spill();
@@ -332,6 +418,8 @@ class BodyReader {
   std::vector<std::array<uint32_t, 3>> numbers_;  // of the vertices of the facets that are being read
   JobLists<std::vector<Facet>> copies_;
   Batch batch_;
+  std::vector<Topology> of_threads_;  // while they take blocks
+  bool has_blocks_ = false;
 };
 
 }  // namespace
@@ -360,7 +448,7 @@ Bodies read_bodies(const Scene& scene, const ExactSurfaces& exact, int threads, 
                    const std::function<void(double)>& progress) {
   Bodies out;
   out.helper = std::make_unique<Background>(threads > 1);
-  BodyReader(scene, exact, budget, count, out).read(progress);
+  BodyReader(scene, exact, threads, budget, count, out).read(progress);
   return out;
 }
 

@@ -42,6 +42,14 @@ struct Extent {
     });
   }
 
+  // Of other facets.
+  void add(const Extent& other) {
+    for (int d = 0; d < 3; ++d) {
+      lo[d] = other.lo[d] < lo[d] ? other.lo[d] : lo[d], hi[d] = hi[d] < other.hi[d] ? other.hi[d] : hi[d];
+      area[d] += other.area[d];
+    }
+  }
+
  private:
   using Lanes [[gnu::vector_size(32)]] = double;  // x, y, z, and a number without meaning
 };

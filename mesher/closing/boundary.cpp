@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "store/base/error.hpp"
+#include "store/base/system/vector_units.hpp"
 
 namespace teracell::mesher {
 namespace {
@@ -48,18 +49,59 @@ void append_boundary(std::vector<Use>& uses, std::vector<BoundaryEdge>& out) {
 
 }  // namespace
 
-// Each half of the vertices' hashes has a sum and a parity of its own, without a branch: which end of an edge has the greater hash can't be
-// predicted. Of an edge without length, the ends are equal, and it adds nothing.
+namespace {
+
+// Of an edge, by halves of the hashes of its ends, one or some side by side: what is added to a sum, and to a parity. Without a branch, since which
+// end has the greater hash can't be predicted. An edge without length adds nothing. The sum of the ends is mixed as MurmurHash3, by A. Appleby, ends:
+// by multiplications of 64 bits, which vector units have.
+template <class Words>
+TERACELL_IN_LINE inline void add_edge(const Words& a, const Words& b, Words& sum, Words& parity) {
+  Words edge = a + b;
+  edge = (edge ^ edge >> 33) * 0xff51afd7ed558ccd;
+  edge = (edge ^ edge >> 33) * 0xc4ceb9fe1a85ec53;
+  edge ^= edge >> 33;
+  Words forward, backward;
+  if constexpr (sizeof(Words) == sizeof(uint64_t)) forward = a < b ? edge : 0, backward = b < a ? edge : 0;
+  else forward = edge & (Words)(a < b), backward = edge & (Words)(b < a);
+  sum += forward - backward;
+  parity ^= forward | backward;
+}
+
+}  // namespace
+
+// Each half of the vertices' hashes has a sum and a parity of its own.
 void BoundaryProof::add(const std::array<VertexHash, 3>& facet) {
-  const auto add_edge = [](uint64_t a, uint64_t b, uint64_t& sum, uint64_t& parity) {
-    const uint64_t edge = fold((a + b) ^ kHashKeys[1], kHashKeys[0]), forward = -uint64_t{a < b}, backward = -uint64_t{b < a};
-    sum += (edge & forward) - (edge & backward);
-    parity ^= edge & (forward | backward);
-  };
-  for (int i = 0; i < 3; ++i) {
-    const VertexHash &a = facet[i], &b = facet[(i + 1) % 3];
+  for (size_t k = 0; k < 3; ++k) {
+    const VertexHash &a = facet[k], &b = facet[(k + 1) % 3];
     add_edge(a.low, b.low, sum_[0], parity_[0]);
     add_edge(a.high, b.high, sum_[1], parity_[1]);
+  }
+}
+
+void BoundaryProof::add(std::span<const std::array<VertexHash, 3>> facets) {
+  constexpr size_t kAtOnce = 64;
+  using Lanes [[gnu::vector_size(64)]] = uint64_t;
+  constexpr size_t kLanes = sizeof(Lanes) / sizeof(uint64_t);
+  for (; !facets.empty(); facets = facets.subspan(std::min(kAtOnce, facets.size()))) {
+    const auto some = facets.first(std::min(kAtOnce, facets.size()));
+    const size_t blocks = (some.size() + kLanes - 1) / kLanes;
+    alignas(Lanes) uint64_t halves[2][3][kAtOnce];  // by half and vertex; vertices of facets that there are not are equal
+    for (size_t i = 0; i < blocks * kLanes; ++i)
+      for (size_t k = 0; k < 3; ++k) {
+        const VertexHash hash = i < some.size() ? some[i][k] : VertexHash();
+        halves[0][k][i] = hash.low, halves[1][k][i] = hash.high;
+      }
+    on_vector_unit([&, this]() TERACELL_IN_LINE {
+      for (size_t half = 0; half < 2; ++half) {
+        Lanes sum{}, parity{};
+        for (size_t i = 0; i < blocks * kLanes; i += kLanes) {
+          Lanes v[3];
+          for (size_t k = 0; k < 3; ++k) __builtin_memcpy(&v[k], &halves[half][k][i], sizeof v[k]);
+          for (size_t k = 0; k < 3; ++k) add_edge(v[k], v[(k + 1) % 3], sum, parity);
+        }
+        for (size_t lane = 0; lane < kLanes; ++lane) sum_[half] += sum[lane], parity_[half] ^= parity[lane];
+      }
+    });
   }
 }
 

@@ -8,6 +8,7 @@
 #pragma once
 #include <array>
 #include <functional>
+#include <span>
 #include <vector>
 
 #include "mesher/closing/vertex_hash.hpp"
@@ -18,6 +19,12 @@ namespace teracell::mesher {
 class BoundaryProof {
  public:
   void add(const std::array<VertexHash, 3>& facet);
+  // The same for facets that come together, faster for some dozens.
+  void add(std::span<const std::array<VertexHash, 3>> facets);
+  // The facets of another part of the surface.
+  void add(const BoundaryProof& other) {
+    for (size_t i = 0; i < 2; ++i) sum_[i] += other.sum_[i], parity_[i] ^= other.parity_[i];
+  }
   // Every edge is matched by its reverse: the winding number is the same along every ray.
   bool directed_boundary_is_empty() const { return sum_[0] == 0 && sum_[1] == 0; }
   // Every edge is used an even number of times: so is the parity.

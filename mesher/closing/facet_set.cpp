@@ -19,6 +19,19 @@ void FacetSet::Marks::clear(uint64_t facets, int first_bit) {
   first_bit_ = first_bit;
 }
 
+// (The members are copied first: words that are written might be them, as far as a compiler knows.)
+void FacetSet::Marks::add(std::span<const uint64_t> keys) {
+  uint64_t *const seen = seen_.data(), *const again = again_.data();
+  const size_t mask = seen_.size() - 1;
+  const int first_bit = first_bit_;
+  for (const uint64_t key : keys) {
+    const uint64_t places = key >> first_bit, bit = uint64_t{1} << (places & 63);
+    const size_t word = places >> 6 & mask;
+    if (const uint64_t before = seen[word]; before & bit) again[word] |= bit;
+    else seen[word] = before | bit;
+  }
+}
+
 void FacetSet::expect(uint64_t facets) {
   if (sample_) return;
   room_ = facets;
@@ -29,6 +42,19 @@ void FacetSet::expect(uint64_t facets) {
 void FacetSet::make_marks() {
   marks_.clear(room_, kFirstBit);
   for (size_t i = 0; i < marked_; ++i) marks_.add(keys_[i]);
+}
+
+void FacetSet::add(std::span<const uint64_t> keys) {
+  if (sample_) {
+    for (const uint64_t key : keys) add(key);
+    return;
+  }
+  while (keys_.size() + keys.size() > room_) make_room();
+  const size_t before = keys_.size();
+  keys_.insert(keys_.end(), keys.begin(), keys.end());
+  for (const uint64_t key : keys) marks_.prefetch(key);
+  marks_.add(std::span(keys_).subspan(marked_, before - marked_));
+  marked_ = before;
 }
 
 void FacetSet::make_room() {
@@ -47,6 +73,13 @@ void FacetSet::keep_sample() {
   make_room();
   keys_.shrink_to_fit();
   marks_ = Marks();
+}
+
+void FacetSet::add(const FacetSet& other) {
+  most_ = std::min(most_, other.most_);
+  least_opposite_ = std::min(least_opposite_, other.least_opposite_);
+  std::erase_if(keys_, [&](uint64_t key) { return key > most_; });
+  for (const uint64_t key : other.keys_) add(key);
 }
 
 // Drops what is beyond the sample, and all but one of facets that are equal.
@@ -87,7 +120,6 @@ FacetSet::Found FacetSet::find_equal() {
   std::ranges::stable_sort(found, {}, [](uint64_t key) { return key >> 1; });
   std::array<uint64_t, 65> of_bits{};  // how many different keys have so many bits
   const auto bits = [](uint64_t key) { return static_cast<size_t>(std::bit_width(key)); };
-  for (const uint64_t key : keys_) ++of_bits[bits(key)];
   for (size_t first = 0, i = 1; i < found.size(); ++i) {
     if (!are_equal(found[first], found[i])) {
       first = i;
@@ -99,6 +131,8 @@ FacetSet::Found FacetSet::find_equal() {
     ++out.opposite;
     out.least_opposite = std::min(out.least_opposite, found[i] & ~uint64_t{1});
   }
+  if (!sample_ && out.least_opposite == ~uint64_t{0}) return out;  // nobody asks where a sample would end
+  for (const uint64_t key : keys_) ++of_bits[bits(key)];
   for (uint64_t count = keys_.size() - out.duplicates; count > kMost; out.end_of_sample /= 2) count -= of_bits[bits(out.end_of_sample)];
   return out;
 }

@@ -2,6 +2,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "mesher/closing/vertex_hash.hpp"
@@ -27,8 +28,11 @@ class FacetSet {
  public:
   // Reserves memory, so that the set need not grow. REQUIRES: the set is empty.
   void expect(uint64_t facets);
-  void add(const std::array<VertexHash, 3>& facet) {
-    const uint64_t key = key_of(facet);
+  void add(const std::array<VertexHash, 3>& facet) { add(FacetKey::Lows{facet[0].low, facet[1].low, facet[2].low}); }
+  void add(const FacetKey::Lows& facet) {
+    if (FacetKey::low_of(facet) <= most_) add(key_of(facet));
+  }
+  void add(uint64_t key) {
     if (key > most_) return;
     if (keys_.size() == room_) make_room();
     keys_.push_back(key);
@@ -36,10 +40,19 @@ class FacetSet {
     marks_.prefetch(key);
     if (keys_.size() - marked_ > kWaiting) marks_.add(keys_[marked_++]);
   }
+  // What a facet is known by. The lowest bit is the orientation.
+  static uint64_t key_of(const FacetKey::Lows& v) {
+    const uint64_t turns = uint64_t{FacetKey::is_odd(v)} & uint64_t{v[0] != v[1]} & uint64_t{v[1] != v[2]} & uint64_t{v[0] != v[2]};
+    return (FacetKey::low_of(v) & ~uint64_t{1}) | turns;
+  }
+  // The same for some dozens of facets at once, given by key_of().
+  void add(std::span<const uint64_t> keys);
   // From now on only a sample of the facets is held, those that were added included: all of a small surface, some 33,000 to 65,000 of a large
   // one. They are chosen by a hash of their vertices, so that the sample holds all facets that are equal, or none of them.
   void keep_sample();
   bool is_sample() const { return sample_; }
+  // The facets of another set. REQUIRES: both are samples.
+  void add(const FacetSet& other);
   // Empties the set. It stays a sample if it is one.
   void clear();
   // Of a sample, the numbers of duplicates and of opposite facets mean nothing.
@@ -47,12 +60,6 @@ class FacetSet {
 
  private:
   static constexpr size_t kWaiting = 16, kLeastRoom = 32, kMost = (size_t{1} << 16) - 16, kRoomOfSample = size_t{1} << 17;
-  // The lowest bit is the orientation.
-  static uint64_t key_of(const std::array<VertexHash, 3>& v) {
-    const uint64_t a = v[0].low, b = v[1].low, c = v[2].low;
-    const uint64_t turns = uint64_t{FacetKey::is_odd(v)} & uint64_t{a != b} & uint64_t{b != c} & uint64_t{a != c};
-    return (FacetKey::low_of(v) & ~uint64_t{1}) | turns;
-  }
   // Two facets that are equal have the same bit.
   class Marks {
    public:
@@ -63,6 +70,7 @@ class FacetSet {
       if (seen_[word] & bit_of(key)) again_[word] |= bit_of(key);
       seen_[word] |= bit_of(key);
     }
+    void add(std::span<const uint64_t> keys);
     bool is_marked_again(uint64_t key) const { return (again_[word_of(key)] & bit_of(key)) != 0; }
 
    private:

@@ -24,6 +24,12 @@ uint32_t VertexNumbers::find_or_add(const VertexHash& hash) {
   return count() - 1;
 }
 
+void VertexNumbers::find_or_add(std::span<const VertexHash> hashes, uint32_t* numbers) {
+  for (const VertexHash& hash : hashes) prefetch(hash);
+  for (const VertexHash& hash : hashes) prefetch_known(hash);
+  for (const VertexHash& hash : hashes) *numbers++ = find_or_add(hash);
+}
+
 void VertexNumbers::grow() { rehash(std::max(kLeastTable, grown(table_.size()))); }
 
 void VertexNumbers::rehash(size_t size) {
@@ -81,6 +87,15 @@ uint64_t ShellCounter::shells() {
 uint32_t ShellCounter::shell_of(const VertexHash& vertex) {
   settle_all();
   return nodes_.of(first_node_[numbers_.find(vertex)]);
+}
+
+void SurfaceCounter::add(const Facet& facet) {
+  const std::array<VertexHash, 3> hashes = vertex_hashes(facet);
+  std::array<uint32_t, 3> numbers;
+  number(hashes, numbers.data());
+  join(numbers);
+  const uint64_t key = FacetSet::key_of({hashes[0].low, hashes[1].low, hashes[2].low});
+  count({&key, 1}, has_no_area(facet));
 }
 
 }  // namespace teracell::mesher

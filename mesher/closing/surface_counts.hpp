@@ -3,6 +3,7 @@
 #include <array>
 #include <bit>
 #include <cstdint>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -53,6 +54,8 @@ class RecentVertices {
 class VertexNumbers {
  public:
   uint32_t find_or_add(const VertexHash& hash);
+  // The same for some dozens of vertices.
+  void find_or_add(std::span<const VertexHash> hashes, uint32_t* numbers);
   // A call for that hash comes soon: its place in the table is asked for, and some time later what the place leads to.
   void prefetch(const VertexHash& hash) const {
     if (!table_.empty()) __builtin_prefetch(&table_[hash.low & (table_.size() - 1)]);
@@ -83,18 +86,11 @@ class VertexNumbers {
 // of a closed surface, and 40 if its facets come at random. Not thread-safe.
 class ShellCounter {
  public:
-  // Reserves memory, so that the tables need not grow. A closed surface has about half as many vertices as facets. REQUIRES: no facet was added.
-  void expect(uint64_t facets) { numbers_.expect(facets / 2), nodes_.reserve(facets); }
-  void add(const std::array<VertexHash, 3>& facet) { join({node_of(facet[0]), node_of(facet[1]), node_of(facet[2])}); }
-  // The same where the nodes of vertices are asked for once for many facets.
-  uint32_t node_of(const VertexHash& vertex) { return node_of(vertex.low, vertex.high); }
-  uint32_t node_of(uint64_t low, uint64_t high) {
-    if (const uint32_t known = recent_.number(low, high); known != RecentVertices::kNone) return known;
-    const uint32_t node = first_seen(low, high);
-    recent_.keep(low, high, node);
-    return node;
+  void add(const std::array<VertexHash, 3>& facet) {
+    std::array<uint32_t, 3> nodes;
+    for (size_t i = 0; i < 3; ++i) nodes[i] = node_of(facet[i].low, facet[i].high);
+    nodes_.join(nodes[0], nodes[1], nodes[2]);
   }
-  void join(const std::array<uint32_t, 3>& nodes) { nodes_.join(nodes[1], nodes[0], nodes[2]); }
   // A facet of a file that names vertices by number: a vertex is hashed once only.
   void add(const Facet& facet, const std::array<uint32_t, 3>& numbers);
   uint64_t shells();
@@ -107,6 +103,12 @@ class ShellCounter {
     VertexHash vertex;
     uint32_t node;
   };
+  uint32_t node_of(uint64_t low, uint64_t high) {
+    if (const uint32_t known = recent_.number(low, high); known != RecentVertices::kNone) return known;
+    const uint32_t node = first_seen(low, high);
+    recent_.keep(low, high, node);
+    return node;
+  }
   uint32_t first_seen(uint64_t low, uint64_t high);
   void settle(const Waiting& waiting);
   void settle_all();
@@ -124,43 +126,42 @@ class ShellCounter {
 };
 
 // Decided exactly.
-inline bool has_no_area(const Facet& f) {
-  const auto& [a, b, c] = f.vertex;
+inline bool has_no_area(const Vec3& a, const Vec3& b, const Vec3& c) {
   for (const auto& [s, t] : {std::pair(0, 1), std::pair(1, 2), std::pair(2, 0)})  // a projection with an area is enough
     if (sure_turn(a[s], a[t], b[s], b[t], c[s], c[t]) != 0) return false;
+  const Facet f{{a, b, c}};
   return normal_sign(f, 2) == 0 && normal_sign(f, 1) == 0 && normal_sign(f, 0) == 0;
 }
+inline bool has_no_area(const Facet& f) { return has_no_area(f.vertex[0], f.vertex[1], f.vertex[2]); }
 
-// Counts the shells of a surface and its degenerate and duplicate facets. Facets come in any order. Not thread-safe.
+// Counts the shells of a surface and its degenerate and duplicate facets. Facets come in any order, best some dozens at once. Not thread-safe.
 class SurfaceCounter {
  public:
-  // Reserves memory, so that the tables need not grow. REQUIRES: no facet was added.
-  void expect(uint64_t facets) { shells_.expect(facets), facets_.expect(facets); }
-  // Degenerate and duplicate facets are counted only if `at_home`, because counters of several parts of a surface may see the same
-  // facet.
-  void add(const Facet& facet, bool at_home = true) {
-    const std::array<VertexHash, 3> vertices = vertex_hashes(facet);
-    add(facet, vertices, {node_of(vertices[0]), node_of(vertices[1]), node_of(vertices[2])}, at_home);
+  // Reserves memory, so that the tables need not grow. A closed surface has about half as many vertices as facets. REQUIRES: no facet was added.
+  void expect(uint64_t facets) { vertices_.expect(facets / 2), shells_.reserve(facets / 2), facets_.expect(facets); }
+  // Gives vertices numbers; equal ones have equal numbers.
+  void number(std::span<const VertexHash> vertices, uint32_t* numbers) {
+    vertices_.find_or_add(vertices, numbers);
+    while (shells_.size() < vertices_.count()) shells_.add();
   }
-  // The same where a vertex's hash and its node are asked for once for many facets.
-  uint32_t node_of(const VertexHash& vertex) { return shells_.node_of(vertex); }
-  void add(const Facet& facet, const std::array<VertexHash, 3>& vertices, const std::array<uint32_t, 3>& nodes, bool at_home) {
-    shells_.join(nodes);
-    if (!at_home) return;
-    facets_.add(vertices);
-    degenerate_ += has_no_area(facet);
-  }
+  // Adds facets whose vertices have these numbers.
+  void join(const std::array<uint32_t, 3>& numbers) { shells_.join(numbers[0], numbers[1], numbers[2]); }
+  // They are counted apart, because counters of several parts of a surface may see the same facet. `keys` are FacetSet's.
+  void count(std::span<const uint64_t> keys, uint64_t degenerate) { facets_.add(keys), degenerate_ += degenerate; }
+  void add(const Facet& facet);
 
   // Facets without area, facets with the three vertices of an earlier one, those of them whose orientation is opposite to the first one's, and
   // shells.
   SurfaceCounts totals() {
     const EqualFacets equal = facets_.equal();
-    return {degenerate_, equal.duplicates, equal.opposite, shells_.shells()};
+    return {degenerate_, equal.duplicates, equal.opposite, shells_.count()};
   }
-  uint32_t shell_of(const VertexHash& vertex) { return shells_.shell_of(vertex); }  // as ShellCounter's
+  // The shell of the vertex with that number: the same for all vertices of a shell.
+  uint32_t shell_of(uint32_t number) { return shells_.of(number); }
 
  private:
-  ShellCounter shells_;
+  VertexNumbers vertices_;
+  Groups shells_;  // of vertices, by number
   FacetSet facets_;
   uint64_t degenerate_ = 0;
 };

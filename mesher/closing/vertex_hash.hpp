@@ -38,10 +38,13 @@ struct FacetKey {
   VertexHash key;
   bool odd;  // of two facets with the same key, one odd and one not, the orientations are opposite
 
+  using Lows = std::array<uint64_t, 3>;  // of the hashes of its vertices
+
   explicit FacetKey(const std::array<VertexHash, 3>& v)
-      : key{low_of(v), fold((v[0].high + v[1].high + v[2].high) ^ kHashKeys[3], kHashKeys[2])}, odd(is_odd(v)) {}
-  static uint64_t low_of(const std::array<VertexHash, 3>& v) { return fold((v[0].low + v[1].low + v[2].low) ^ kHashKeys[1], kHashKeys[0]); }
-  static bool is_odd(const std::array<VertexHash, 3>& v) { return ((v[0].low > v[1].low) ^ (v[1].low > v[2].low) ^ (v[0].low > v[2].low)) != 0; }
+      : key{low_of({v[0].low, v[1].low, v[2].low}), fold((v[0].high + v[1].high + v[2].high) ^ kHashKeys[3], kHashKeys[2])},
+        odd(is_odd({v[0].low, v[1].low, v[2].low})) {}
+  static uint64_t low_of(const Lows& v) { return fold((v[0] + v[1] + v[2]) ^ kHashKeys[1], kHashKeys[0]); }
+  static bool is_odd(const Lows& v) { return ((v[0] > v[1]) ^ (v[1] > v[2]) ^ (v[0] > v[2])) != 0; }
 };
 
 // The next size of a hash table. Large ones may leave the cache, so they grow less at once.

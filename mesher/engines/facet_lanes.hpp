@@ -76,6 +76,35 @@ struct LaneRows {
     });
   }
 
+  // For row begin[i] + r of each of kWidth facets from `first` on, whose coordinate is v[0], v[1], ..: what rays_of() finds for one, or no rays if
+  // the facet has fewer rows. REQUIRES: is_sure is 1 for facets with rows. `id` is of the first facet; that of the next one is greater by 2^32.
+  TERACELL_IN_LINE bool rays_of_each(size_t first, uint64_t r, const double* v, uint64_t id, const RayFinder& rays, uint64_t* of,
+                                     uint64_t* met) const {
+    uint64_t ofs[FacetLanes::kWidth], mets[FacetLanes::kWidth];
+    double far[FacetLanes::kWidth];
+#pragma GCC unroll 1
+    for (size_t j = 0; j < FacetLanes::kWidth; ++j) {
+      const size_t i = first + j;
+      const bool is_lower = v[j] < mid_v_[i];
+      const double s = rays.place_of(lo_u_[i] + (v[j] - lo_v_[i]) * longest_[i]), whole_s = s + RayFinder::kRound;
+      const double t =
+          rays.place_of((is_lower ? lo_u_[i] : mid_u_[i]) + (v[j] - (is_lower ? lo_v_[i] : mid_v_[i])) * (is_lower ? lower_[i] : upper_[i]));
+      const double whole_t = t + RayFinder::kRound;
+      const uint64_t row = begin[i] + r, here = static_cast<int64_t>(row) < static_cast<int64_t>(end[i]) ? ~uint64_t{0} : 0;
+      mets[j] =
+          (std::bit_cast<uint64_t>(std::max(whole_s, whole_t)) << 32 | (std::bit_cast<uint64_t>(std::min(whole_s, whole_t)) & 0xffffffff)) & here;
+      const uint64_t turns = (whole_s < whole_t ? 1 : 0) ^ (odd_[i] != 0 ? 1 : 0);
+      ofs[j] = id + (uint64_t{j} << 32) + ((2 * row + turns) & here);
+      const double beyond = std::max(std::abs(s - (whole_s - RayFinder::kRound)), std::abs(t - (whole_t - RayFinder::kRound))) - close_[i];
+      far[j] = here != 0 ? beyond : -1;
+    }
+    for (size_t j = 0; j < FacetLanes::kWidth; ++j) met[j] = mets[j];
+    for (size_t j = 0; j < FacetLanes::kWidth; ++j) of[j] = ofs[j];
+    for (size_t half = FacetLanes::kWidth / 2; half > 0; half /= 2)
+      for (size_t j = 0; j < half; ++j) far[j] = std::max(far[j], far[j + half]);
+    return far[0] < 0;
+  }
+
   // For the rows with the coordinates v[0] to v[kRows - 1]: the rays [from, to) that cross facet i, as met[r] = to << 32 | from; and of[r] =
   // id + 2 * r, + 1 if the facet turns left in (u, v). Returns whether that is sure. What is written for rows that do not meet the facet has no
   // meaning. REQUIRES: id is even.
@@ -114,8 +143,8 @@ struct LaneRows {
 struct LaneHeights {
   TERACELL_IN_LINE LaneHeights(const FacetLanes& block, const CellUnits& cells) : cells_(cells) {
     block.for_each([&](size_t i) TERACELL_IN_LINE {
-      const auto& [u, v, w, layer, size] = block;
-      const FacetPlane plane(u[0][i], v[0][i], w[0][i], u[1][i], v[1][i], w[1][i], u[2][i], v[2][i], w[2][i]);
+      const FacetPlane plane(block.u[0][i], block.v[0][i], block.w[0][i], block.u[1][i], block.v[1][i], block.w[1][i], block.u[2][i], block.v[2][i],
+                             block.w[2][i]);
       u0_[i] = plane.u0, v0_[i] = plane.v0, w0_[i] = plane.w0, gv_[i] = plane.gv, slope_[i] = plane.gu * cells.per_cell;
       const double slack = cells.slack(plane);
       slack_[i] = slack < 0.25 ? slack : 1;

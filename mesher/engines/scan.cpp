@@ -3,8 +3,8 @@
 // For each facet and row of rays, two edges are intersected with the row (rows.hpp). Between them every ray crosses the facet,
 // at a height that is linear along the row (height.hpp).
 //
-// There are two passes. The first finds the spans of rays and counts them in a difference array, so that the second can write
-// every crossing directly to its ray. Both prepare some facets side by side (facet_lanes.hpp). On nefertiti at 10^12 cells (26 x 26 rays per facet),
+// There are two passes. The first prepares some facets side by side (facet_lanes.hpp), finds the spans of rays, and counts them in a difference
+// array, so that the second can write every crossing directly to its ray. On nefertiti at 10^12 cells (26 x 26 rays per facet),
 // a crossing takes about 3.5 ns, half of it for the scattered write. The many rays of sub-samples are cast plane by plane, where rays side by side
 // are written as vectors.
 //
@@ -35,13 +35,14 @@ class ScanEngine : public Engine {
     uint32_t size() const { return to() - from(); }
     uint32_t first_ray(const Tile& tile) const { return row() * static_cast<uint32_t>(tile.u.size()) + from(); }
   };
-  void find_spans(const Tile& tile, std::span<const SceneFacet* const> facets, bool counted);
-  void find_heights(const Tile& tile, std::span<const SceneFacet* const> facets, Crossings& out);
+  void find_spans(const Tile& tile, std::span<const SceneFacet* const> facets, const CellUnits& cells, bool counted);
+  void find_heights(const Tile& tile, std::span<const SceneFacet* const> facets, const CellUnits& cells, Crossings& out);
   void take_u(const Tile& tile);
   template <class TakeBack, class Spread>
   [[gnu::noinline]] void decide(std::span<const Span> spans, const Tile& tile, std::span<const SceneFacet* const> facets, const LaneHeights& heights,
                                 const TakeBack& take_back, const Spread& spread);
 
+  std::vector<LaneHeights> heights_;  // of the first blocks of facets
   std::vector<Span> spans_;  // the first found_ of them
   size_t found_ = 0;
   std::vector<double> u_, v_;  // of the tile, and some more of the last
@@ -53,7 +54,8 @@ class ScanEngine : public Engine {
 
 void ScanEngine::cast(const Tile& tile, std::span<const SceneFacet* const> facets, Crossings& out) {
   const uint32_t nu = static_cast<uint32_t>(tile.u.size());
-  find_spans(tile, facets, true);
+  const CellUnits cells(*tile.axis);
+  find_spans(tile, facets, cells, true);
   // counts_ holds, for each ray and the end of each row, how many spans begin there minus how many end.
   out.begin.resize(tile.rays() + 1);
   uint64_t total = 0;
@@ -69,11 +71,11 @@ void ScanEngine::cast(const Tile& tile, std::span<const SceneFacet* const> facet
   out.begin.back() = static_cast<uint32_t>(total);
   out.all.resize(total);
   next_.assign(out.begin.begin(), out.begin.end() - 1);
-  find_heights(tile, facets, out);
+  find_heights(tile, facets, cells, out);
 }
 
-// Fills counts_ if `counted`.
-void ScanEngine::find_spans(const Tile& tile, std::span<const SceneFacet* const> facets, bool counted) {
+// Finds spans_, and heights_ of so many blocks as a tile mostly has; fills counts_ if `counted`.
+void ScanEngine::find_spans(const Tile& tile, std::span<const SceneFacet* const> facets, const CellUnits& cells, bool counted) {
   constexpr uint32_t kFacets = FacetLanes::kFacets, kMostRows = 8, kRoom = 256;
   const RayFinder rays(tile.u), rows(tile.v);
   const size_t stride = tile.u.size() + 1;
@@ -81,7 +83,10 @@ void ScanEngine::find_spans(const Tile& tile, std::span<const SceneFacet* const>
   v_.assign(tile.v.begin(), tile.v.end());
   v_.resize(tile.v.size() + kMostRows, tile.v.back());
   size_t found = 0;
-  on_vector_unit([&, v = v_.data(), counts = counts_.data()]() TERACELL_IN_LINE {
+  heights_.clear();
+  constexpr size_t kMostKept = 1024;
+  heights_.reserve(std::min(kMostKept, (facets.size() + kFacets - 1) / kFacets));
+  on_vector_unit([&, v = v_.data(), counts = counts_.data(), last_row = uint64_t{rows.size() - 1}]() TERACELL_IN_LINE {
     // Rows are gathered first, since facets meet different numbers of them: a loop over those of each would end where no processor expects it.
     uint64_t of[kRoom], met[kRoom];
     uint32_t gathered = 0;
@@ -118,6 +123,21 @@ void ScanEngine::find_spans(const Tile& tile, std::span<const SceneFacet* const>
         if (gathered > kRoom - kMostRows) add_gathered();
       }
     };
+    // Facets i to i + kWidth - 1 of a block, a row of each at once.
+    const auto gather_each = [&](LaneRows& block, uint32_t i, uint32_t index, uint64_t most) TERACELL_IN_LINE {
+      for (uint64_t r = 0; r < most; ++r) {
+        double at[FacetLanes::kWidth];
+        for (size_t j = 0; j < FacetLanes::kWidth; ++j) at[j] = v[std::min(block.begin[i + j] + r, last_row)];
+        if (block.rays_of_each(i, r, at, Span::pack(index, 0, false), rays, of + gathered, met + gathered)) {
+          gathered += FacetLanes::kWidth;
+        } else {
+          for (uint32_t j = 0; j < FacetLanes::kWidth; ++j)
+            if (const uint64_t row = block.begin[i + j] + r; row < block.end[i + j])
+              gather_exactly(index + j, static_cast<uint32_t>(row), static_cast<uint32_t>(row) + 1);
+        }
+        if (gathered > kRoom - kMostRows) add_gathered();
+      }
+    };
     const bool two_lanes = vector_unit == VectorUnit::kPlain;
     for (uint32_t first = 0; first < facets.size(); first += kFacets) {
       // Facets come in the order of their heights and lie scattered in memory. Without prefetching, waiting for them took a quarter
@@ -127,11 +147,25 @@ void ScanEngine::find_spans(const Tile& tile, std::span<const SceneFacet* const>
         __builtin_prefetch(&coming.vertex[0]);
         __builtin_prefetch(&coming.vertex[2][2]);
       }
-      const LaneRows block(FacetLanes(facets.subspan(first), tile.frame), rays, rows);
-      for (uint32_t i = 0; i < std::min<size_t>(kFacets, facets.size() - first); ++i) {
-        if (block.is_sure[i] == 0) gather_exactly(first + i, 0, rows.size());
-        else if (two_lanes) gather.template operator()<2>(block, i, first + i);
-        else gather.template operator()<kMostRows>(block, i, first + i);
+      const FacetLanes lanes(facets.subspan(first), tile.frame);
+      if (heights_.size() < kMostKept) heights_.emplace_back(lanes, cells);
+      LaneRows block(lanes, rays, rows);
+      const auto here = static_cast<uint32_t>(std::min<size_t>(kFacets, facets.size() - first));
+      for (uint32_t from = 0; from < here; from += FacetLanes::kWidth) {
+        const uint32_t to = std::min(from + FacetLanes::kWidth, here);
+        uint64_t most = 0;
+        for (uint32_t i = from; i < to; ++i) {
+          if (block.is_sure[i] == 0) gather_exactly(first + i, 0, rows.size()), block.begin[i] = block.end[i] = 0;
+          most = std::max(most, block.end[i] - block.begin[i]);
+        }
+        if (most < FacetLanes::kWidth && !two_lanes && to == from + FacetLanes::kWidth) {
+          gather_each(block, from, first + from, most);
+          continue;
+        }
+        for (uint32_t i = from; i < to; ++i) {
+          if (two_lanes) gather.template operator()<2>(block, i, first + i);
+          else gather.template operator()<kMostRows>(block, i, first + i);
+        }
       }
     }
     add_gathered();
@@ -145,17 +179,18 @@ void ScanEngine::take_u(const Tile& tile) {
   cells_.resize(tile.u.size() + LaneHeights::kRays);
 }
 
-void ScanEngine::find_heights(const Tile& tile, std::span<const SceneFacet* const> facets, Crossings& out) {
+void ScanEngine::find_heights(const Tile& tile, std::span<const SceneFacet* const> facets, const CellUnits& cells, Crossings& out) {
   constexpr size_t kFacets = FacetLanes::kFacets, kRays = LaneHeights::kRays;
   const size_t room = std::max<size_t>(192, tile.u.size()) + kRays;
   take_u(tile);
   crossings_.resize(room), rays_.resize(room);
-  const CellUnits cells(*tile.axis);
   const bool wide = out.all.size() > 6 * found_;
   on_vector_unit([&, wide, all = out.all.data(), next = next_.data(), crossings = crossings_.data(), rays = rays_.data()]() TERACELL_IN_LINE {
     for (size_t s = 0; s < found_;) {
       const size_t block = spans_[s].facet() / kFacets;
-      const LaneHeights heights(FacetLanes(facets.subspan(block * kFacets), tile.frame), cells);
+      std::optional<LaneHeights> made;
+      const LaneHeights& heights =
+          block < heights_.size() ? heights_[block] : made.emplace(FacetLanes(facets.subspan(block * kFacets), tile.frame), cells);
       const auto cross = [&](const Span& span, uint64_t* to, LaneHeights::Far& far) TERACELL_IN_LINE {
         heights.cross(span.facet() % kFacets, u_.data() + span.from(), span.size(), tile.v[span.row()], span.up(), to, far);
       };
@@ -204,16 +239,18 @@ bool ScanEngine::cast_planes(const Tile& tile, std::span<const SceneFacet* const
   const uint32_t layer = facets[0]->layer;
   const bool one_layer = std::ranges::all_of(facets, [&](const SceneFacet* f) { return f->layer == layer; });
   const uint64_t exact_before = exact_decisions_;
-  find_spans(tile, facets, false);
+  const CellUnits cells(*tile.axis);
+  find_spans(tile, facets, cells, false);
   take_u(tile);
   crossings_.resize(tile.u.size() + kRays);
   out.reset(tile.rays(), one_layer ? std::optional(layer) : std::nullopt);
-  const CellUnits cells(*tile.axis);
   bool fits = true;
   on_vector_unit([&, one_layer, u = u_.data(), found_cells = crossings_.data(), stride = out.stride]() TERACELL_IN_LINE {
     for (size_t s = 0; s < found_ && fits;) {
       const size_t block = spans_[s].facet() / kFacets;
-      const LaneHeights heights(FacetLanes(facets.subspan(block * kFacets), tile.frame), cells);
+      std::optional<LaneHeights> made;
+      const LaneHeights& heights =
+          block < heights_.size() ? heights_[block] : made.emplace(FacetLanes(facets.subspan(block * kFacets), tile.frame), cells);
       while (s < found_ && spans_[s].facet() / kFacets == block) {
         const size_t first = s;
         LaneHeights::Far far{};

@@ -123,7 +123,7 @@ MeshReport Pieces::report(const CastTotals& totals) {
   out.run.engine = run_.options.engine;
   out.run.exact_decisions = totals.exact_decisions;
   out.run.spilled_bytes = facets_.spilled_bytes();
-  out.run.peak_memory_bytes = system::peak_bytes();
+  out.run.peak_memory_bytes = system::peak_bytes() + facets_.held_bytes();
   out.scene = run_.scene;
   out.caps_written = run_.caps();
   return out;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <mutex>
 #include <utility>
 
 #include "mesher/closing/lengths.hpp"
@@ -42,6 +43,28 @@ class SharedTrees {
   std::vector<std::shared_ptr<PartTree>> held_;
 };
 
+// Lists that threads fill and another one empties, used again and again.
+class ReadyBlocks {
+ public:
+  using List = std::shared_ptr<FacetBins::Ready>;
+  List take() {
+    std::lock_guard lock(mutex_);
+    if (spare_.empty()) return std::make_shared<FacetBins::Ready>();
+    List out = std::move(spare_.back());
+    spare_.pop_back();
+    return out;
+  }
+  void give_back(const List& list) {
+    list->clear();
+    std::lock_guard lock(mutex_);
+    spare_.push_back(list);
+  }
+
+ private:
+  std::mutex mutex_;
+  std::vector<List> spare_;
+};
+
 // REQUIRES: `part` is one of the tree's.
 BinnedPart binned_part(const std::shared_ptr<PartTree>& tree, const Part& part, const SceneBody& body, uint32_t layer, uint32_t patch) {
   const auto read = [&part, shared = std::shared_ptr<const PartTree>(tree)](const auto& f) { shared->read(part, f); };
@@ -79,7 +102,8 @@ Tiling& TiledFacets::tile(const TreeRange& range, bool count, bool again) {
   }
   // What counts facets needs all of them.
   auto bins = fill_bins(count ? TreeRange() : range, again);
-  if (!bins->in_memory()) spilled_ += bins->bytes();
+  if (bins->in_memory()) held_ = std::max(held_, bins->bytes());
+  else spilled_ += bins->bytes();
   return tiling_.emplace(std::move(bins), count ? &binned_ : nullptr, threads_ > 1 ? std::min(threads_, kMostAhead) : 0, meta_, range);
 }
 
@@ -137,6 +161,7 @@ std::unique_ptr<FacetBins> TiledFacets::fill_bins(const TreeRange& range, bool a
     }
   };
   SharedTrees trees(budget_.bytes / 4);
+  ReadyBlocks ready_blocks;
   uint64_t done = 0;
   const auto went_on = [&](uint64_t more) { progress_(static_cast<double>(done += more) / static_cast<double>(all)); };
   for (size_t b = 0; b < scene_.bodies.size(); ++b) {
@@ -159,10 +184,30 @@ std::unique_ptr<FacetBins> TiledFacets::fill_bins(const TreeRange& range, bool a
       went_on(tree->facets(part));
       return true;
     };
+    // Who has read a block also makes it ready; here they are added in their order.
+    const FacetBlocks blocks{.threads = FacetBlocks::readers(budget_, threads_),
+                             .idle = &background,
+                             .ahead = std::clamp<uint64_t>(budget_.bytes >> 25, 1, 8),  // of half a megabyte at most
+                             .wanted =
+                                 [&] {
+                                   hand_on();
+                                   background.finish();
+                                   return !closed.rules;
+                                 },
+                             .take = [&](std::span<const Facet> facets, int) -> std::function<void()> {
+                               const auto ready = ready_blocks.take();
+                               bins->make_ready(facets, closed.layer(b), FacetBins::kOfFile, patch, *ready);
+                               return [&, ready, count = facets.size()] {
+                                 bins->add(*ready);
+                                 ready_blocks.give_back(ready);
+                                 went_on(count);
+                               };
+                             }};
     read_again(scene_.bodies[b], found, take,
                {.budget = budget_,
                 .kept = bodies_.kept.get(),
                 .enter_patch = [&](uint32_t of_file) { patch = patch_of(b, of_file); },
+                .blocks = threads_ > 1 ? &blocks : nullptr,
                 .take_part = take_part});
     for (const bool parity : {false, true}) add(closed.added[parity], layer_of(b, parity), FacetBins::kAdded, patch_of(b, kCapPatch));
     for (const bool parity : {false, true}) add(closed.walls[parity], layer_of(b, parity), FacetBins::kPlaced, patch_of(b, kSidePatch));

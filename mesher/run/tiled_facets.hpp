@@ -22,6 +22,7 @@ class TiledFacets {
   Tiling& tile(const TreeRange& range, bool count, bool again);
   const GridFacets* in_memory() const { return facets_.get(); }  // null when they were spilled
   uint64_t spilled_bytes() const { return spilled_; }  // to disk
+  uint64_t held_bytes() const { return held_; }        // in files in memory, which the system does not count as the process's
   // One per body; waits. REQUIRES: every group was taken from the tiling that counts.
   std::vector<SurfaceCounts> counts();
 
@@ -39,7 +40,7 @@ class TiledFacets {
   const Patches* const patches_;
   const std::function<void(double)> progress_;
   std::shared_ptr<GridFacets> facets_;
-  uint64_t spilled_ = 0;
+  uint64_t spilled_ = 0, held_ = 0;
   BinnedCounter binned_;
   std::optional<Tiling> tiling_;  // last: it uses the others
 };

@@ -84,6 +84,21 @@ void Input::fill(size_t want) {
   }
 }
 
+void Input::take(std::span<char> out, size_t& got) {
+  got = std::min(out.size(), end_ - begin_);
+  std::memcpy(out.data(), buffer_.data() + begin_, got);
+  begin_ += got;
+  if (got == out.size()) return;
+  offset_ += begin_;
+  begin_ = end_ = 0;
+  while (got < out.size()) {
+    char* const to = out.data() + got;
+    const size_t room = out.size() - got, more = inflate_ ? read_inflated(to, room) : read_disk(to, room);
+    if (more == 0) break;
+    got += more, offset_ += more;
+  }
+}
+
 size_t Input::read_disk(char* to, size_t room) {
   size_t got;
   if (descriptor_ < 0) {

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -44,6 +45,8 @@ class Input {
     if (end_ - begin_ < want) fill(want);
     return {buffer_.data() + begin_, end_ - begin_};
   }
+  // Takes the bytes that come next into `out`, fewer only at the end. Sets `got` to how many there were, also where it throws.
+  void take(std::span<char> out, size_t& got);
   // REQUIRES: n <= window(0).size().
   void consume(size_t n) { begin_ += n; }
   // The same for `n` bytes that make up `lines` whole lines.

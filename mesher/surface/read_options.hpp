@@ -1,15 +1,18 @@
 // What a reader of surface files is told besides the file and the part. A format that needs more, such as a tolerance, gets a
 // field here, with a default that suits the other formats.
 #pragma once
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "mesher/surface/facet.hpp"
 #include "store/base/spill.hpp"
 
 namespace teracell::inline store {
@@ -45,6 +48,25 @@ inline std::shared_ptr<const CadOptions> cad_or_usual(const std::shared_ptr<cons
 
 inline constexpr uint32_t kNoVertexNumber = ~uint32_t{0};
 
+// Takes the facets of a file in blocks, on several threads, where its format lets a reader tell facets apart without parsing them one by one. Then
+// the sink gets none of them.
+struct FacetBlocks {
+  static constexpr size_t kFacets = 4096;  // of each block but the last one
+
+  // How many threads of a run read blocks. Each takes up to 2 MB.
+  static int readers(const Budget& budget, int threads) {
+    return static_cast<int>(std::clamp<uint64_t>(budget.bytes >> 23, 1, static_cast<uint64_t>(std::clamp(threads, 1, 8))));
+  }
+  int threads = 1;
+  Background* idle = nullptr;  // its thread may be one of them; take() must not use it
+  uint64_t ahead = 1;          // so many outcomes of take() may wait for their turn, for each thread
+  // Whether the facets are to come this way: asked once before the first one, after expect() and enter_patch().
+  std::function<bool()> wanted;
+  // Takes a block on any of the threads, `worker` in [0, threads); 0 is the calling one. Returns what is to be done on the calling thread, in the
+  // order of the blocks.
+  std::function<std::function<void()>(std::span<const Facet> facets, int worker)> take;
+};
+
 struct ReadOptions {
   Budget budget;                 // vertices that must be kept stay within it; others are kept on disk
   std::string units;             // coordinates of a file that states its unit are converted to these; empty: they stay as they are
@@ -57,6 +79,8 @@ struct ReadOptions {
   std::function<void(uint64_t)> expect = [](uint64_t) {};
   // Called when the facets that follow belong to another patch, with its number in SurfaceFile::patches; before the first facet, too.
   std::function<void(uint32_t)> enter_patch = [](uint32_t) {};
+  // If not null, it must outlive the call of the reader.
+  const FacetBlocks* blocks = nullptr;
   // If not null, holds the numbers that the file gives to the vertices of the facets which the sink gets, from 0 on. Equal numbers are equal
   // vertices, but for kNoVertexNumber, which stands for any that is too large. As many as there are facets; fewer where the format has none, as STL
   // and formats with a tree.

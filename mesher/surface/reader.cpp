@@ -27,7 +27,7 @@ std::string clean(std::string_view name) { return std::string(first_bytes(utf8_o
 }  // namespace
 
 FacetStream::FacetStream(const PartGlob& glob, const FacetSink& sink, const ReadOptions& options)
-    : glob_(glob), sink_(sink), enter_patch_(options.enter_patch), numbers_(options.numbers) {}
+    : glob_(glob), sink_(sink), enter_patch_(options.enter_patch), blocks_(options.blocks), numbers_(options.numbers) {}
 
 void FacetStream::enter_patch(std::string_view name) {
   if (name == raw_patch_) return;
@@ -149,6 +149,13 @@ void FacetStream::flush() {
   if (numbers_) numbers_->clear();
   facets_ += used_;
   used_ = 0;
+}
+
+const FacetBlocks* FacetStream::blocks() {
+  if (!blocks_) return nullptr;
+  begin_patch();
+  limit_ = capacity_;
+  return blocks_->wanted() ? blocks_ : nullptr;
 }
 
 void FacetStream::make_room() {

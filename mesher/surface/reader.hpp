@@ -47,6 +47,10 @@ class FacetStream {
     next().vertex = {a, b, c};
     if (numbers_) numbers_->push_back({vertex_number(numbers[0]), vertex_number(numbers[1]), vertex_number(numbers[2])});
   }
+  // What takes blocks of facets, if that is wanted for those that follow, else null.
+  const FacetBlocks* blocks();
+  // These went there.
+  void add_blocks(uint64_t facets) { facets_ += facets; }
   // Adds to SurfaceFile::warnings; called once per kind of warning.
   void warn(std::string sentence) { warnings_.push_back(std::move(sentence)); }
   // Passes on the last facets and sets facets, parts and warnings of `file`. Throws InputError when there was no facet, or no
@@ -66,6 +70,7 @@ class FacetStream {
   const PartGlob& glob_;
   const FacetSink& sink_;
   const std::function<void(uint32_t)>& enter_patch_;
+  const FacetBlocks* const blocks_;
   std::vector<std::array<uint32_t, 3>>* const numbers_;  // null: they aren't wanted
   Facet few_[kFew];  // most files of an assembly are small
   std::unique_ptr<Facet[]> many_;

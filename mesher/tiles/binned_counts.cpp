@@ -1,5 +1,7 @@
 #include "mesher/tiles/binned_counts.hpp"
 
+#include <utility>
+
 #include "mesher/closing/closing.hpp"
 
 namespace teracell::mesher {
@@ -8,31 +10,62 @@ BinnedCounter::Bin::Bin(BinnedCounter& all, uint64_t facets) : all_(all) {
   if (all.bodies_.size() == 1 && all.wanted_[0]) counters_[0].expect(facets);
 }
 
-void BinnedCounter::Bin::add(const BinnedFacet& f) {
-  if (f.added) return;  // not in the file
-  const uint32_t body = body_of_layer(f.layer);
-  if (!all_.wanted_[body]) return;
-  if (latest_ == nullptr || body != latest_body_) latest_ = &counters_[body], latest_body_ = body, ++stamp_;
-  if (f.block != block_) block_ = f.block, ++stamp_;
-  std::array<VertexHash, 3> vertices;
-  std::array<uint32_t, 3> nodes;
-  for (int i = 0; i < 3; ++i) {
-    if (f.block == 0) {
-      vertices[i] = vertex_hash(f.facet.vertex[i]), nodes[i] = latest_->node_of(vertices[i]);
-      continue;
-    }
-    if (f.vertices[i] >= known_.size()) known_.resize(2 * f.vertices[i] + 64);
-    Known& known = known_[f.vertices[i]];
-    if (known.stamp != stamp_) {
-      const VertexHash hash = vertex_hash(f.facet.vertex[i]);
-      known = {hash.low, stamp_, latest_->node_of(hash), hash.high};
-    }
-    vertices[i] = {known.low, known.high}, nodes[i] = known.node;
+// Finds hashes and numbers of those of the facets' vertices that have none yet.
+void BinnedCounter::Bin::know(const BinnedFacets& facets) {
+  if (known_.size() < facets.vertices.size()) known_.resize(facets.vertices.size());
+  std::array<uint32_t, kAtOnce> unknown, numbers;
+  std::array<VertexHash, kAtOnce> hashes;
+  size_t count = 0;
+  const auto settle = [&] {
+    for (size_t i = 0; i < count; ++i) hashes[i] = vertex_hash(facets.vertices[unknown[i]]);
+    latest_->number(std::span(hashes).first(count), numbers.data());
+    for (size_t i = 0; i < count; ++i) known_[unknown[i]] = {hashes[i], numbers[i], stamp_};
+    count = 0;
+  };
+  const auto add = [&](uint32_t vertex) {
+    unknown[count++] = vertex;
+    if (count == kAtOnce) settle();
+  };
+  if (facets.of_block) {  // all of the block's vertices, before the first of its facets
+    if (std::exchange(is_new_, false))
+      for (uint32_t v = 0; v < facets.vertices.size(); ++v) add(v);
+  } else {
+    for (const BinnedFacets::One& f : facets.facets)
+      for (const uint32_t v : f.vertices)
+        if (known_[v].stamp != stamp_) known_[v].stamp = stamp_, add(v);
   }
-  latest_->add(f.facet, vertices, nodes, f.at_home);
-  if (f.bins == 1) return;
-  const uint64_t hash = FacetKey::low_of(vertices) | 1;  // so no few times it is 0
-  shared_.push_back({body, vertices[0], f.at_home ? (f.bins - 1) * hash : -hash});
+  settle();
+}
+
+void BinnedCounter::Bin::add(const BinnedFacets& facets) {
+  const uint32_t body = body_of_layer(facets.layer);
+  if (facets.added || !all_.wanted_[body]) return;  // those that were added are not in the file
+  if (latest_ == nullptr || body != latest_body_ || facets.block != block_) {
+    latest_ = &counters_[body], latest_body_ = body, block_ = facets.block;
+    is_new_ = true, ++stamp_;
+  }
+  know(facets);
+  for (auto all = facets.facets; !all.empty(); all = all.subspan(std::min(kAtOnce, all.size()))) {
+    const auto some = all.first(std::min(kAtOnce, all.size()));
+    std::array<uint64_t, kAtOnce> keys;
+    size_t at_home = 0;
+    uint64_t degenerate = 0;
+    for (const BinnedFacets::One& f : some) {
+      const Known &a = known_[f.vertices[0]], &b = known_[f.vertices[1]], &c = known_[f.vertices[2]];
+      latest_->join({a.number, b.number, c.number});
+      keys[at_home] = FacetSet::key_of({a.hash.low, b.hash.low, c.hash.low});
+      at_home += f.at_home;
+      if (f.bins > 1) share(f, a, FacetKey::low_of({a.hash.low, b.hash.low, c.hash.low}), body);
+    }
+    for (const BinnedFacets::One& f : some)
+      degenerate += f.at_home && has_no_area(facets.vertices[f.vertices[0]], facets.vertices[f.vertices[1]], facets.vertices[f.vertices[2]]);
+    latest_->count(std::span(keys).first(at_home), degenerate);
+  }
+}
+
+void BinnedCounter::Bin::share(const BinnedFacets::One& f, const Known& first, uint64_t hash, uint32_t body) {
+  hash |= 1;  // so no few times it is 0
+  shared_.push_back({body, first.number, first.hash, f.at_home ? (f.bins - 1) * hash : -hash});
 }
 
 void BinnedCounter::Bin::finish() {
@@ -45,7 +78,7 @@ void BinnedCounter::Bin::finish() {
     const auto [node, is_new] = body.nodes.try_emplace(f.vertex, Node{body.shells.size()});
     if (is_new) body.shells.add();
     node->second.to_come += f.to_come;
-    const auto [in_bin, first_of_shell] = node_of.try_emplace({f.body, counters_[f.body].shell_of(f.vertex)}, node->second.number);
+    const auto [in_bin, first_of_shell] = node_of.try_emplace({f.body, counters_[f.body].shell_of(f.number)}, node->second.number);
     if (first_of_shell) --body.totals.shells;
     else body.shells.join(node->second.number, in_bin->second);
   }

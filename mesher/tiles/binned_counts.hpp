@@ -22,7 +22,7 @@ class BinnedCounter {
    public:
     Bin(BinnedCounter& all, uint64_t facets);
     Bin(const Bin&) = delete;
-    void add(const BinnedFacet& facet);
+    void add(const BinnedFacets& facets);
     void finish();  // after the last facet
 
    private:
@@ -32,19 +32,22 @@ class BinnedCounter {
     uint32_t latest_body_ = 0;
     struct Shared {
       uint32_t body;
-      VertexHash vertex;  // the facet's first one
+      uint32_t number;    // of the facet's first vertex
+      VertexHash vertex;  // the same
       uint64_t to_come;   // as in Node
     };
     std::vector<Shared> shared_;  // facets that lie in other bins too
-    // Vertices of the block that facets come from, as latest_ knows them: those with the newest stamp. (The halves of a hash lie apart, so that the
-    // compiler does not copy them as a whole: surface_counts.hpp.)
+    // A vertex of the block that facets come from, as latest_ knows it if it has the newest stamp.
     struct Known {
-      uint64_t low = 0;
-      uint32_t stamp = 0, node = 0;
-      uint64_t high = 0;
+      VertexHash hash;
+      uint32_t number = 0, stamp = 0;
     };
+    static constexpr size_t kAtOnce = 64;
+    void know(const BinnedFacets& facets);
+    void share(const BinnedFacets::One& facet, const Known& first, uint64_t hash, uint32_t body);
     std::vector<Known> known_;
     uint32_t block_ = 0, stamp_ = 0;
+    bool is_new_ = false;  // nothing of the block is known yet
   };
   std::vector<SurfaceCounts> totals() const;
   // How many vertices are kept because facets with them lie in bins that are still to come: for tests.

@@ -19,15 +19,18 @@ constexpr uint64_t kMostUseful = uint64_t{256} << 20;
 // twelfth less with 220,000.
 constexpr uint64_t kMostFacets = 200'000;
 constexpr uint64_t kLeastBuffer = 4096;
-constexpr size_t kTakenAtOnce = 32;
 
-// The nine coordinates of a facet, each a T. Returns where they end.
+// The nine coordinates of a facet, each a T. Returns where they end. (Gathered first, they were copied in larger words than those that they had
+// just been written in, and waited until those had reached the cache.)
 template <class T>
 uint8_t* put_coordinates(const Facet& facet, uint8_t* to) {
-  std::array<T, 9> all;
-  for (int i = 0; i < 9; ++i) all[i] = static_cast<T>(facet.vertex[i / 3][i % 3]);
-  std::memcpy(to, all.data(), sizeof all);
-  return to + sizeof all;
+  for (const Vec3& vertex : facet.vertex)
+    for (const double coordinate : vertex) {
+      const T value = static_cast<T>(coordinate);
+      std::memcpy(to, &value, sizeof value);
+      to += sizeof value;
+    }
+  return to;
 }
 template <class T>
 Vec3 vertex_of(const uint8_t* from) {
@@ -37,14 +40,11 @@ Vec3 vertex_of(const uint8_t* from) {
 }
 constexpr size_t kMostOfRecord = 9 * sizeof(double) + 2 * sizeof(uint32_t);
 
-// By a hash, so that it does not matter in what order facets come.
+// By a hash of two words, so that it does not matter in what order facets come.
 bool is_one_of_eight(std::span<const uint8_t> record) {
-  uint64_t sum = 0, word;
-  for (size_t i = 0; (i + 1) * sizeof word <= record.size(); ++i) {
-    std::memcpy(&word, record.data() + i * sizeof word, sizeof word);
-    sum += word * kHashKeys[i % 8] + (word >> 32) * kHashKeys[(i + 1) % 8];
-  }
-  return fold(sum ^ kHashKeys[2], kHashKeys[3]) % 8 == 0;
+  uint64_t first, middle;
+  std::memcpy(&first, record.data(), sizeof first), std::memcpy(&middle, record.data() + record.size() / 2, sizeof middle);
+  return fold(first ^ kHashKeys[2], middle ^ kHashKeys[3]) % 8 == 0;
 }
 
 uint64_t expected_bytes(uint64_t facets, size_t record_bytes) {
@@ -129,12 +129,21 @@ void FacetBins::make_ready(std::span<const Facet> facets, uint32_t layer, Origin
   const size_t before = out.size(), each = sizeof(UnitRange) + record_bytes_;
   out.resize(before + facets.size() * each);
   uint8_t* to = out.data() + before;
-  Facet room;
-  for (const Facet& facet : facets) {
-    const UnitRange units = units_of(rays_.range_of(placed(facet, tag, room), layer_in(tag)));
-    std::memcpy(to, &units, sizeof units);
-    encode(facet, tag, patch, {to + sizeof units, record_bytes_});
-    to += each;
+  constexpr size_t kAtOnce = 32;
+  std::array<Facet, kAtOnce> moved;
+  std::array<RayRange, kAtOnce> ranges;
+  const bool moves = move_ && origin != kPlaced;
+  for (; !facets.empty(); facets = facets.subspan(std::min(kAtOnce, facets.size()))) {
+    const std::span<const Facet> some = facets.first(std::min(kAtOnce, facets.size()));
+    if (moves) std::ranges::transform(some, moved.begin(), [&](const Facet& f) { return move_(f, layer_in(tag)); });
+    rays_.ranges_of(
+        some.size(), [placed = moves ? moved.data() : some.data()](size_t i) TERACELL_IN_LINE -> const Facet& { return placed[i]; }, layer_in(tag),
+        ranges.data());
+    for (size_t i = 0; i < some.size(); ++i, to += each) {
+      const UnitRange units = units_of(ranges[i]);
+      std::memcpy(to, &units, sizeof units);
+      encode(some[i], tag, patch, {to + sizeof units, record_bytes_});
+    }
   }
 }
 
@@ -299,7 +308,7 @@ void FacetBins::split(Bin& bin) {
 void FacetBins::finish() {
   flush_all(root_);
   split_large(root_);
-  log_.close();
+  log_.finish();
 }
 
 // Splits what was left whole because all its buffers would have taken too much memory, one bin after another.
@@ -335,88 +344,7 @@ void FacetBins::for_each_bin(const TreePlace& place, const std::function<void(co
   visit(visit, bin_at(place));
 }
 
-void FacetBins::take(const TreePlace& place, const std::function<void(std::span<const BinnedFacet>)>& f) {
-  Bin& bin = const_cast<Bin&>(bin_at(place));
-  const int shift = rays_.shift(place.depth), group = rays_.shift(0);
-  const auto inside = [&](uint64_t u, uint64_t v) { return u >> shift == place.cu && v >> shift == place.cv; };
-  // The first unit of the place's group, if it is smaller than one.
-  const uint64_t group_u = place.depth < 0 ? uint64_t{place.cu} << shift >> group << group : 0;
-  const uint64_t group_v = place.depth < 0 ? uint64_t{place.cv} << shift >> group << group : 0;
-  std::array<BinnedFacet, kTakenAtOnce> taken;
-  size_t count = 0;
-  const auto hand_on = [&] { f(std::span(taken).first(std::exchange(count, 0))); };
-  // Most facets lie in this bin alone: rays [.u0, .u1) x [.v0, .v1), where the last bin of a row or column has no end.
-  const uint64_t side = rays_.size(place.depth);
-  const auto end = [&](uint64_t at, uint64_t rays) { return (at + 1) * side < rays ? (at + 1) * side : ~uint64_t{0}; };
-  const struct {
-    uint64_t u0, u1, v0, v1;
-  } bounds = {place.cu * side, end(place.cu, rays_.shape.nu), place.cv * side, end(place.cv, rays_.shape.nv)};
-  // For the facet that comes next in `taken`, of which the rest is known: in how many bins it lies, and what it is in this one.
-  const auto take_facet = [&] {
-    BinnedFacet& out = taken[count];
-    out.at_home = out.leads = true, out.bins = 1;
-    if (const RayRange& r = out.rays; r.u0 < bounds.u0 || r.u1 >= bounds.u1 || r.v0 < bounds.v0 || r.v1 >= bounds.v1) {
-      const UnitRange units = units_of(r);
-      // A facet is at home in the bin of its least vertex, so facets with the same vertices have the same home.
-      const Vec3& p = out.placed.vertex[std::ranges::min_element(out.facet.vertex) - out.facet.vertex.begin()];
-      const UnitRange home = units_of(rays_.range_of({{p, p, p}}, out.layer));
-      out.at_home = inside(home.first_u, home.first_v);
-      out.bins = out.at_home ? bins_of(root_, units) : 2;
-      out.leads = place.depth >= 0 || inside(std::max<uint64_t>(units.first_u, group_u), std::max<uint64_t>(units.first_v, group_v));
-    }
-    if (out.ignored) out.rays = {};
-    if (++count == kTakenAtOnce) hand_on();
-  };
-  const auto take_part = [&](const BinnedPart& part) {
-    part.read([&](const Facet& facet) {
-      BinnedFacet& out = taken[count];
-      out = {.facet = facet, .layer = layer_in(part.layer), .ignored = (part.layer & kIgnored) != 0, .patch = part.patch};
-      out.placed = move_ ? move_(facet, out.layer) : facet;
-      out.rays = rays_.range_of(out.placed, out.layer);
-      if (meets(place, units_of(out.rays))) take_facet();
-    });
-  };
-  struct Corner {
-    Vec3 at;
-    RayRange rays;  // of the point alone
-  };
-  std::vector<Corner> corners;
-  uint32_t blocks = 0;
-  take_blocks(bin, [&](const WeldedRecords& block) {
-    ++blocks;
-    corners.resize(block.vertices());
-    // Facets that are moved, or that share few vertices, have their rays found as a whole.
-    const bool by_vertices = !move_ && block.vertices() < 2 * block.records();
-    for (size_t v = 0; v < corners.size(); ++v) {
-      corners[v].at = vertex_in(block.vertex(v));
-      if (by_vertices) corners[v].rays = rays_.range_of(corners[v].at);
-    }
-    block.for_each_run([&](size_t first, size_t last, std::span<const uint8_t> rest) {
-      const uint32_t tag = tag_in(rest), layer = layer_in(tag), patch = patch_in(rest);
-      const bool is_of_parts = is_part(tag), moves = move_ && !(tag & kInPlace);
-      for (size_t i = first; i < last; ++i) {
-        const std::array<uint32_t, 3>& vertices = block.vertices_of(i);
-        if (is_of_parts) {
-          take_part(part_in(block.vertex(vertices[0])));
-          continue;
-        }
-        const Corner &a = corners[vertices[0]], &b = corners[vertices[1]], &c = corners[vertices[2]];
-        BinnedFacet& out = taken[count];
-        out.facet.vertex[0] = a.at, out.facet.vertex[1] = b.at, out.facet.vertex[2] = c.at;
-        out.layer = layer, out.added = (tag & kNotOfFile) != 0, out.ignored = (tag & kIgnored) != 0, out.patch = patch;
-        out.block = blocks, out.vertices = vertices;
-        if (moves) out.placed = move_(out.facet, layer);
-        else out.placed.vertex[0] = a.at, out.placed.vertex[1] = b.at, out.placed.vertex[2] = c.at;
-        out.rays = by_vertices ? rays_.range_of(a.rays, b.rays, c.rays, layer) : rays_.range_of(out.placed, layer);
-        take_facet();
-      }
-    });
-  });
-  hand_on();
-}
-
-template <class F>
-void FacetBins::take_blocks(Bin& bin, F&& f) {
+void FacetBins::take_blocks(Bin& bin, const std::function<void(const WeldedRecords&)>& f) {
   std::vector<uint8_t> room;
   WeldedRecords block(shape_);
   for (const PieceLog::Piece& piece : bin.pieces) {

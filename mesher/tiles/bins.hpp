@@ -14,21 +14,28 @@
 
 namespace teracell::mesher {
 
-// A facet of a bin.
-struct BinnedFacet {
-  Facet facet{};  // in its file's coordinates
-  uint32_t layer = 0;  // of its body (closing.hpp)
-  bool at_home = true;  // in exactly one of the bins that it lies in
-  uint32_t bins = 1;  // that it lies in; where it is not at home, 2 stands for several
-  bool added = false;  // it closes a hole and is not in the body's file
-  bool ignored = false;  // it counts for nothing
+// Facets of a bin that come one after another and have the same origin.
+struct BinnedFacets {
+  struct One {
+    std::array<uint32_t, 3> vertices{};  // which of the block's
+    RayRange rays{};
+    uint32_t bins = 1;  // that it lies in; where it is not at home, 2 stands for several
+    bool at_home = true;  // in exactly one of the bins that it lies in
+    bool leads = true;  // in exactly one of those bins of a tile group in which the facet lies
+  };
+  std::span<const One> facets;
+  // The vertices of a block of facets, in their file's coordinates; some may be equal. While `block` is the same, they are.
+  std::span<const Vec3> vertices;
+  uint32_t block = 0;
+  bool of_block = false;  // all facets of the block have the same origin
+  std::span<const Facet> moved;  // the facets as the grid sees them, unless that is as their file has them
+  uint32_t layer = 0;  // of their body (closing.hpp)
   uint32_t patch = 0;  // as in SceneFacet; 0 if they are not kept
-  bool leads = true;  // in exactly one of those bins of a tile group in which the facet lies
-  // The facets of a block, which are those of a piece of the log, come one after another. Within it vertices with equal numbers are equal.
-  uint32_t block = 0;  // 0: of none
-  std::array<uint32_t, 3> vertices{};
-  Facet placed{};  // as the grid sees it
-  RayRange rays{};  // none if it is ignored
+  bool added = false;  // they close a hole and are not in the body's file
+  bool ignored = false;  // they count for nothing
+
+  Facet in_file(const One& f) const { return {{vertices[f.vertices[0]], vertices[f.vertices[1]], vertices[f.vertices[2]]}}; }
+  Facet placed(size_t i) const { return moved.empty() ? in_file(facets[i]) : moved[i]; }
 };
 
 // A part that stands for its facets.
@@ -45,7 +52,7 @@ class FacetBins {
   using Move = std::function<Facet(const Facet&, uint32_t layer)>;
   // For about `facets` facets, `whole` of them surely not in parts, in single precision if `float32`. `move` transforms a facet to where the grid
   // sees it; none: all are there. A loaded bin takes about a sixteenth of the budget, and all buffers of bins together an eighth at most while they
-  // are filled. With `own_writer` another thread writes to the disk. If all fits into half of the budget, it stays in memory. `widened` bodies as in
+  // are filled. With `own_writer` another thread writes them. If all fits into half of the budget, it stays in memory. `widened` bodies as in
   // rays.hpp. Facets that lie outside `range` alone are dropped. `patches`: facets keep theirs.
   FacetBins(const Metadata& meta, uint64_t facets, uint64_t whole, bool float32, const Budget& budget, bool own_writer, Move move,
             std::vector<uint8_t> widened, const TreeRange& range = {}, bool patches = false);
@@ -67,9 +74,8 @@ class FacetBins {
   bool has_facets(const TreePlace& place) const { return has_facets(bin_at(place)); }
   // Calls f with each bin of a place that has facets; this may be the place itself.
   void for_each_bin(const TreePlace& place, const std::function<void(const TreePlace&)>& f) const;
-  // Calls f with all facets of a bin, some at a time. (One at a time, each was read right after it was written, in larger words than those that it
-  // was written in, and waited until those had reached the cache.) Call once.
-  void take(const TreePlace& place, const std::function<void(std::span<const BinnedFacet>)>& f);
+  // Calls f with all facets of a bin, some at a time. Call once.
+  void take(const TreePlace& place, const std::function<void(const BinnedFacets&)>& f);
   uint64_t bytes() const { return log_.bytes(); }  // ever written
   bool in_memory() const { return log_.in_memory(); }
 
@@ -120,8 +126,8 @@ class FacetBins {
   size_t room_in(uint64_t bytes) const;
   size_t room_of(const TreePlace& place, int depth, size_t room) const;
   uint64_t rooms_of(const TreePlace& place, int depth, size_t room) const;
-  template <class F>
-  void take_blocks(Bin& bin, F&& f);
+  void take_blocks(Bin& bin, const std::function<void(const WeldedRecords&)>& f);
+  class Taking;  // bins_taken.cpp
   // A record is nine coordinates, a tag (the layer, with two bits for the origin), and the patch if patches are kept. The record of a part
   // begins with its number, and its tag has the bits that no facet has.
   static constexpr uint32_t kNotOfFile = uint32_t{1} << 31, kInPlace = uint32_t{1} << 29;

@@ -3,6 +3,7 @@
 // memory meanwhile.) There are two types, so that coordinates of a file are never mistaken for those of the grid.
 #pragma once
 #include <algorithm>
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <vector>
@@ -23,10 +24,15 @@ class FacetStore {
   // Appends as many of `facets` as fit into the last piece, at least one, and returns their place. They stay there as long as
   // the store lives. One thread may append while others use facets that were returned.
   std::span<SceneFacet> append(std::span<const Facet> facets, uint32_t layer, uint32_t patch = 0);
-  // The same for one facet.
-  void append(const SceneFacet& facet) {
+  // The place of one more facet, to be filled at once. (A facet made elsewhere, vertex by vertex, was copied in larger words than those that it had
+  // just been written in, and waited until those had reached the cache.)
+  SceneFacet& append() {
     if (size_ % kPiece == 0) add_piece();
-    pieces_.back()[size_++ % kPiece] = facet;
+    constexpr uint64_t kSoon = 13;  // a kilobyte of facets, which are about to be filled, too
+    const uint64_t at = size_++ % kPiece;
+    SceneFacet* const piece = pieces_.back();
+    __builtin_prefetch(piece + std::min(at + kSoon, kPiece - 1), 1);
+    return piece[at];
   }
   void append_all(std::span<const Facet> facets, uint32_t layer, uint32_t patch) {
     while (!facets.empty()) facets = facets.subspan(append(facets, layer, patch).size());

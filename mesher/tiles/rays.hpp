@@ -1,12 +1,15 @@
 // Finds the rays of a grid by coordinate, and as a tree in which a node has 4 x 4 children (tiling.hpp).
 #pragma once
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
+#include <span>
 #include <vector>
 
 #include "mesher/closing/closing.hpp"
 #include "mesher/engines/engine.hpp"
+#include "store/base/system/vector_units.hpp"
 #include "store/grid/metadata.hpp"
 #include "store/runs/pyramid.hpp"
 
@@ -28,6 +31,7 @@ class RayBounds {
   uint32_t last(double hi) const { return graded_ ? static_cast<uint32_t>(axis_.first_centre_from(hi)) : ceil((hi - origin_) * per_ray_ - to_); }
 
  private:
+  friend class UniformRays;
   uint32_t ceil(double t) const {
     t = std::min(std::max(t, 0.0), rays_);  // std::clamp branches
     const auto whole = static_cast<int32_t>(t);
@@ -43,6 +47,43 @@ class RayBounds {
 struct RayRange {
   uint32_t u0, u1, v0, v1;
   bool empty() const { return u0 >= u1 || v0 >= v1; }
+};
+
+// Finds the ranges of many facets on two uniform axes, as RayBounds to the last bit (vector_units.hpp says why): all four bounds side by side.
+class UniformRays {
+ public:
+  UniformRays(const RayBounds& u, const RayBounds& v)
+      : is_uniform(!u.graded_ && !v.graded_),
+        origin_{u.origin_, u.origin_, v.origin_, v.origin_},
+        per_ray_{u.per_ray_, u.per_ray_, v.per_ray_, v.per_ray_},
+        margin_{u.from_, u.to_, v.from_, v.to_},
+        rays_{u.rays_, u.rays_, v.rays_, v.rays_} {}
+  const bool is_uniform;
+  // ranges[i] is that of corners(i): the least u, the greatest u, the least v, the greatest v. REQUIRES: is_uniform.
+  using Bounds [[gnu::vector_size(32)]] = double;
+  template <class Corners>
+  void find(size_t count, const Corners& corners, RayRange* ranges) const {
+    on_vector_unit([count, ranges, &corners, this]() TERACELL_IN_LINE {
+      using Rays [[gnu::vector_size(16)]] = int32_t;
+      static_assert(sizeof(Rays) == sizeof(RayRange));
+      Bounds origin, per_ray, margin, most;
+      __builtin_memcpy(&origin, origin_.data(), sizeof origin), __builtin_memcpy(&per_ray, per_ray_.data(), sizeof per_ray);
+      __builtin_memcpy(&margin, margin_.data(), sizeof margin), __builtin_memcpy(&most, rays_.data(), sizeof most);
+      for (size_t i = 0; i < count; ++i) {
+        Bounds t;
+        corners(i, t);
+        t = (t - origin) * per_ray - margin;
+        t = t < 0 ? Bounds{} : t;
+        t = most < t ? most : t;
+        Rays rays = __builtin_convertvector(t, Rays);
+        rays -= __builtin_convertvector(t > __builtin_convertvector(rays, Bounds), Rays);
+        __builtin_memcpy(ranges + i, &rays, sizeof rays);
+      }
+    });
+  }
+
+ private:
+  std::array<double, 4> origin_, per_ray_, margin_, rays_;
 };
 
 // The chunks of level 0 that a facet may have rays in. Unlike RayRange it includes the last ones, so it can't be empty.
@@ -75,6 +116,7 @@ struct GridRays {
   RayFrame frame;
   const Axis& w;
   RayBounds u, v;
+  UniformRays uniform;
   LevelShape shape;
   Side chunk, unit;  // a unit is a node of the lowest depth
   int lowest;        // depth of the tree
@@ -87,6 +129,7 @@ struct GridRays {
         w(meta.grid.axis[frame.w]),
         u(meta.grid.axis[frame.u]),
         v(meta.grid.axis[frame.v]),
+        uniform(u, v),
         shape(meta, 0),
         chunk(shape.chunk_rays),
         unit(lowest_side(shape.chunk_rays)),
@@ -100,8 +143,37 @@ struct GridRays {
     const auto most = [&](int d) { return std::max(std::max(a[d], b[d]), c[d]); };
     return widened_for({u.first(least(frame.u)), u.last(most(frame.u)), v.first(least(frame.v)), v.last(most(frame.v))}, layer);
   }
-  // Those of a point, and those of a facet from those of its vertices.
-  RayRange range_of(const Vec3& p) const { return {u.first(p[frame.u]), u.last(p[frame.u]), v.first(p[frame.v]), v.last(p[frame.v])}; }
+  // The same for facet_of(0) to facet_of(count - 1).
+  template <class FacetOf>
+  void ranges_of(size_t count, const FacetOf& facet_of, uint32_t layer, RayRange* ranges) const {
+    if (!uniform.is_uniform) {
+      for (size_t i = 0; i < count; ++i) ranges[i] = range_of(facet_of(i), layer);
+      return;
+    }
+    const auto corners = [&facet_of, du = frame.u, dv = frame.v](size_t i, UniformRays::Bounds& out) TERACELL_IN_LINE {
+      using Bounds = UniformRays::Bounds;
+      const auto& [a, b, c] = facet_of(i).vertex;
+      const Bounds p = {a[du], a[du], a[dv], a[dv]}, q = {b[du], b[du], b[dv], b[dv]}, r = {c[du], c[du], c[dv], c[dv]};
+      Bounds least = p < q ? p : q, most = p < q ? q : p;
+      least = r < least ? r : least, most = most < r ? r : most;
+      out = __builtin_shufflevector(least, most, 0, 5, 2, 7);
+    };
+    uniform.find(count, corners, ranges);
+    if (widened.empty()) return;
+    for (size_t i = 0; i < count; ++i) ranges[i] = widened_for(ranges[i], layer);
+  }
+  // Those of points, and that of a facet from those of its vertices.
+  void ranges_of(std::span<const Vec3> points, RayRange* ranges) const {
+    if (!uniform.is_uniform) {
+      for (const Vec3& p : points) *ranges++ = {u.first(p[frame.u]), u.last(p[frame.u]), v.first(p[frame.v]), v.last(p[frame.v])};
+      return;
+    }
+    const auto corners = [at = points.data(), du = frame.u, dv = frame.v](size_t i, UniformRays::Bounds& out) TERACELL_IN_LINE {
+      const Vec3& p = at[i];
+      out = UniformRays::Bounds{p[du], p[du], p[dv], p[dv]};
+    };
+    uniform.find(points.size(), corners, ranges);
+  }
   RayRange range_of(const RayRange& a, const RayRange& b, const RayRange& c, uint32_t layer) const {
     return widened_for({std::min(std::min(a.u0, b.u0), c.u0), std::max(std::max(a.u1, b.u1), c.u1), std::min(std::min(a.v0, b.v0), c.v0),
                         std::max(std::max(a.v1, b.v1), c.v1)},

@@ -58,10 +58,24 @@ class Tiling::NodeBuilder {
   // To be called for the facets of the store in their order.
   void add(const Facet& facet, const RayRange& r) {
     const auto& [a, b, c] = facet.vertex;
-    const double height = (std::min(std::min(a[w_], b[w_]), c[w_]) - lowest_) * per_height_;
-    if (!r.empty()) list_.push_back(static_cast<uint32_t>(block_->chunks.size()));
-    block_->chunks.push_back(r.empty() ? ChunkRange{} : rays_.chunks_of(r));
-    block_->heights.push_back(r.empty() ? uint16_t{0} : static_cast<uint16_t>(std::clamp(height, 0.0, kHeights - 1.0)));
+    add(a[w_], b[w_], c[w_], r);
+  }
+  // The same, of facets of a bin, for those that may meet rays, which it puts into the store.
+  void add(const BinnedFacets& some, GridFacets& store) {
+    for (size_t i = 0; i < some.facets.size(); ++i) {
+      const BinnedFacets::One& f = some.facets[i];
+      if (!f.leads || f.rays.empty()) continue;
+      SceneFacet& to = store.append();
+      to.layer = some.layer, to.patch = some.patch;
+      if (some.moved.empty()) {
+        const Vec3 &a = some.vertices[f.vertices[0]], &b = some.vertices[f.vertices[1]], &c = some.vertices[f.vertices[2]];
+        to.facet.vertex[0] = a, to.facet.vertex[1] = b, to.facet.vertex[2] = c;
+        add(a[w_], b[w_], c[w_], f.rays);
+      } else {
+        to.facet = some.moved[i];
+        add(some.moved[i], f.rays);
+      }
+    }
   }
   Node finish(const TreePlace& place, std::shared_ptr<const GridFacets> facets) {
     block_->facets = std::move(facets);
@@ -69,6 +83,12 @@ class Tiling::NodeBuilder {
   }
 
  private:
+  void add(double a, double b, double c, const RayRange& r) {  // where its vertices lie along the rays
+    const double height = (std::min(std::min(a, b), c) - lowest_) * per_height_;
+    if (!r.empty()) list_.push_back(static_cast<uint32_t>(block_->chunks.size()));
+    block_->chunks.push_back(r.empty() ? ChunkRange{} : rays_.chunks_of(r));
+    block_->heights.push_back(r.empty() ? uint16_t{0} : static_cast<uint16_t>(std::clamp(height, 0.0, kHeights - 1.0)));
+  }
   const GridRays& rays_;
   const int w_;
   const double lowest_, per_height_;
@@ -110,13 +130,9 @@ Tiling::Node Tiling::load(const TreePlace& place) const {
   bins_->for_each_bin(place, [&](const TreePlace& bin) {
     std::optional<BinnedCounter::Bin> counts;
     if (counter_) counts.emplace(*counter_, bins_->facets(bin));
-    bins_->take(bin, [&](std::span<const BinnedFacet> facets) {
-      for (const BinnedFacet& f : facets) {
-        if (counts) counts->add(f);
-        if (!kept || !f.leads || f.rays.empty()) continue;
-        store->append({f.placed, f.layer, f.patch});
-        node.add(f.placed, f.rays);
-      }
+    bins_->take(bin, [&](const BinnedFacets& some) {
+      if (counts) counts->add(some);
+      if (kept && !some.ignored) node.add(some, *store);
     });
     if (counts) counts->finish();
   });

@@ -27,11 +27,15 @@ class Groups {
     a = of(a), b = of(b);
     parent_[std::max(a, b)] = std::min(a, b);
   }
-  // The same for three things. Mostly b and c are in a's group already, and their parents say so.
+  // The same for three things. Their parents mostly stand for groups. Then all is written anew, also where nothing changes: which of them are joined
+  // for the first time, no processor could foresee.
   void join(uint32_t a, uint32_t b, uint32_t c) {
-    const uint32_t first = of(a);
-    if (parent_[b] != first) join(b, first);
-    if (parent_[c] != first) join(c, a);
+    uint32_t i = parent_[a], j = parent_[b], k = parent_[c];
+    if (((parent_[i] ^ i) | (parent_[j] ^ j) | (parent_[k] ^ k)) != 0) [[unlikely]]
+      i = of(a), j = of(b), k = of(c);
+    const uint32_t least = std::min(std::min(i, j), k);
+    parent_[i] = parent_[j] = parent_[k] = least;
+    parent_[a] = parent_[b] = parent_[c] = least;
   }
   bool stands_for_one(uint32_t thing) const { return parent_[thing] == thing; }
   // How many groups there are.

@@ -20,7 +20,10 @@ std::filesystem::path temporary_folder() {
 SpillFile::SpillFile(const std::filesystem::path& folder, uint64_t expected, bool in_memory) : folder_(folder.string()) {
   if (in_memory) file_ = Descriptor(system::file_in_memory());
   in_memory_ = bool{file_};
-  if (in_memory_) return;
+  if (in_memory_) {
+    folder_ = "memory";  // for messages
+    return;
+  }
   struct statvfs disk;
   if (::statvfs(folder_.c_str(), &disk) != 0)
     throw IoError(fmt::format("{}: no folder for temporary files: {}", folder_, std::strerror(errno)), Remedy::kOtherFolder);

@@ -2,6 +2,7 @@
 #include "mesher/closing/boundary.hpp"
 
 #include "store/base/error.hpp"
+#include "tests/support/every_way.hpp"
 #include "tests/support/shapes.hpp"
 
 namespace teracell::mesher {
@@ -29,10 +30,20 @@ CountedEdges count_edges(const Facets& facets) {
   return out;
 }
 
+// Some facets are added one by one, and others together, on any vector unit; those of the second half to a proof of their own.
 BoundaryProof proof_of(const Facets& facets) {
-  BoundaryProof out;
-  for (const Facet& f : facets) out.add(vertex_hashes(f));
-  return out;
+  std::array<BoundaryProof, 2> halves;
+  std::vector<std::array<VertexHash, 3>> together;
+  std::mt19937_64 random(facets.size());
+  for (size_t i = 0; i < facets.size(); ++i) {
+    if (random() % 5 == 0) halves[2 * i / facets.size()].add(vertex_hashes(facets[i]));
+    else together.push_back(vertex_hashes(facets[i]));
+    if (random() % 50 != 0 && i + 1 != facets.size()) continue;
+    const OnVectorUnit on(static_cast<VectorUnit>(random() % 3));
+    halves[2 * i / facets.size()].add(std::exchange(together, {}));
+  }
+  halves[0].add(halves[1]);
+  return halves[0];
 }
 
 // As the proof says it must be.

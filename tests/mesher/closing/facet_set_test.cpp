@@ -1,6 +1,8 @@
 // Duplicate and opposite facets, against maps of sorted vertices.
 #include "mesher/closing/facet_set.hpp"
 
+#include <utility>
+
 #include "tests/support/counted.hpp"
 #include "tests/support/shapes.hpp"
 
@@ -41,12 +43,40 @@ TEST_CASE("Opposite facets are two with the same three different vertices that r
   REQUIRE_FALSE(finds_opposites({{{a, a, b}}, {{a, b, a}}, {{b, a, a}}, {{b, b, a}}}));  // without area: no way round
 }
 
+TEST_CASE("Samples of the parts of a surface find what a sample of all of it finds") {
+  std::mt19937_64 random(6);
+  for (const auto& [count, opposites] : {std::pair(size_t{10}, true), {rounds(200'000), false}, {rounds(200'000), true}}) {
+    Facets facets = tangle(random, count, 1000);
+    if (opposites) {
+      for (size_t i = 0; i < count / 2; ++i) facets[i + count / 2] = {{facets[i].vertex[1], facets[i].vertex[0], facets[i].vertex[2]}};
+      std::ranges::shuffle(facets, random);
+    }
+    std::vector<FacetSet> parts(3);
+    for (FacetSet& part : parts) part.keep_sample();
+    for (const Facet& f : facets) parts[random() % parts.size()].add(vertex_hashes(f));
+    parts[0].add(parts[1]);
+    parts[0].add(parts[2]);
+    CHECK(parts[0].equal().opposite_in_sample == finds_opposites(facets, Sample::kFromTheStart));
+  }
+}
+
 TEST_CASE("A set of facets counts those that are equal to earlier ones, and can be used again") {
   std::mt19937_64 random(1);
   FacetSet set;
   for (const size_t count : {size_t{1}, size_t{20}, rounds(3000), size_t{5}}) {
     const Facets facets = tangle(random, count, count > 100 ? 5 : 2);
-    for (const Facet& f : facets) set.add(vertex_hashes(f));
+    std::vector<uint64_t> together;
+    const auto add_together = [&] { set.add(std::exchange(together, {})); };
+    for (const Facet& f : facets) {
+      const std::array<VertexHash, 3> hashes = vertex_hashes(f);
+      if (random() % 20 != 0) {
+        together.push_back(FacetSet::key_of({hashes[0].low, hashes[1].low, hashes[2].low}));
+      } else {
+        add_together();
+        set.add(hashes);
+      }
+    }
+    add_together();
     const Counted expected = counted(facets);
     const EqualFacets found = set.equal();
     REQUIRE(found.duplicates == expected.duplicates);

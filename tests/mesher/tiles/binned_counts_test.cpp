@@ -13,6 +13,13 @@ namespace {
 
 using namespace testing;
 
+struct Binned {
+  Facet facet;
+  uint32_t layer;
+  bool at_home;
+  uint32_t bins;
+};
+
 // Where a facet lies by the rule of bins: in each bin with a place of a vertex; at home where its least vertex is.
 struct Bins {
   int bins;
@@ -23,34 +30,55 @@ struct Bins {
   void for_each(const Facet& f, F&& call) const {
     const auto [lo, hi] = std::minmax({bin_of(f.vertex[0]), bin_of(f.vertex[1]), bin_of(f.vertex[2])});
     const int home = bin_of(std::min({f.vertex[0], f.vertex[1], f.vertex[2]}));
-    for (int bin = lo; bin <= hi; ++bin) call(bin, BinnedFacet{f, 0, bin == home, static_cast<uint32_t>(hi - lo + 1), false, false});
+    for (int bin = lo; bin <= hi; ++bin) call(bin, Binned{f, 0, bin == home, static_cast<uint32_t>(hi - lo + 1)});
   }
 };
 
 Counted as_counted(const SurfaceCounts& t) { return {t.degenerate, t.duplicates, t.opposite, t.shells}; }
 
-// Gives facets that come one after another to blocks, and numbers their vertices within those; some equal ones have two numbers.
-void weld(std::vector<BinnedFacet>& facets, std::mt19937_64& random) {
-  uint32_t block = 0;
-  std::map<Vec3, uint32_t> numbers;
-  uint32_t next = 0;
-  for (BinnedFacet& f : facets) {
-    if (block == 0 || random() % 40 == 0) ++block, numbers.clear(), next = 0;
-    f.block = block;
-    for (int i = 0; i < 3; ++i) {
-      const auto [known, is_new] = numbers.try_emplace(f.facet.vertex[i], next);
-      if (!is_new && random() % 8 == 0) known->second = next;
-      f.vertices[i] = known->second;
-      next += known->second == next;
+// Adds facets of a bin as blocks, each of facets that come one after another, with some equal vertices twice. Those of one layer come together.
+void add_as_blocks(std::span<const Binned> facets, std::mt19937_64& random, BinnedCounter::Bin& bin) {
+  const bool alone = random() % 2 == 0;  // each block has facets of one layer
+  for (uint32_t block = 1; !facets.empty(); ++block) {
+    size_t count = std::min<size_t>(facets.size(), 1 + random() % 200);
+    const auto same_layer = [&](size_t from) {
+      size_t to = from;
+      while (to < count && facets[to].layer == facets[from].layer) ++to;
+      return to;
+    };
+    if (alone) count = same_layer(0);
+    std::vector<Vec3> vertices;
+    std::vector<BinnedFacets::One> ones;
+    std::map<Vec3, uint32_t> numbers;
+    for (const Binned& f : facets.first(count)) {
+      BinnedFacets::One& one = ones.emplace_back();
+      one.bins = f.bins, one.at_home = f.at_home;
+      for (int i = 0; i < 3; ++i) {
+        const auto next = static_cast<uint32_t>(vertices.size());
+        const auto [known, is_new] = numbers.try_emplace(f.facet.vertex[i], next);
+        if (!is_new && random() % 8 == 0) known->second = next;
+        one.vertices[i] = known->second;
+        if (known->second == next) vertices.push_back(f.facet.vertex[i]);
+      }
     }
+    for (size_t from = 0; from < count;) {
+      const size_t to = same_layer(from), here = std::min<size_t>(to - from, 1 + random() % 100);
+      BinnedFacets some;
+      some.facets = std::span(ones).subspan(from, here);
+      some.vertices = vertices;
+      some.block = block, some.of_block = same_layer(0) == count, some.layer = facets[from].layer;
+      bin.add(some);
+      from += here;
+    }
+    facets = facets.subspan(count);
   }
 }
 
 // Facets of different bodies come in turn, those of each in their order, by which the first of equal ones is known.
-void mix_bodies(std::vector<BinnedFacet>& facets, std::mt19937_64& random) {
-  std::map<uint32_t, std::vector<BinnedFacet>> by_body;
+void mix_bodies(std::vector<Binned>& facets, std::mt19937_64& random) {
+  std::map<uint32_t, std::vector<Binned>> by_body;
   std::vector<uint32_t> turns;
-  for (const BinnedFacet& f : facets) by_body[body_of_layer(f.layer)].push_back(f), turns.push_back(body_of_layer(f.layer));
+  for (const Binned& f : facets) by_body[body_of_layer(f.layer)].push_back(f), turns.push_back(body_of_layer(f.layer));
   std::ranges::shuffle(turns, random);
   std::map<uint32_t, size_t> taken;
   for (size_t i = 0; i < turns.size(); ++i) facets[i] = by_body[turns[i]][taken[turns[i]]++];
@@ -58,22 +86,19 @@ void mix_bodies(std::vector<BinnedFacet>& facets, std::mt19937_64& random) {
 
 // Of each body, from bins that are finished in a random order.
 std::vector<Counted> by_bins(const std::vector<std::vector<Facet>>& bodies, const Bins& bins, std::mt19937_64& random) {
-  std::vector<std::vector<BinnedFacet>> content(bins.bins);
+  std::vector<std::vector<Binned>> content(bins.bins);
   for (uint32_t b = 0; b < bodies.size(); ++b)
     for (const Facet& f : bodies[b])
-      bins.for_each(f, [&](int bin, BinnedFacet binned) {
+      bins.for_each(f, [&](int bin, Binned binned) {
         binned.layer = layer_of(b, bin % 2 == 0);
         content[bin].push_back(binned);
       });
-  for (std::vector<BinnedFacet>& facets : content) {
-    mix_bodies(facets, random);
-    if (random() % 2 == 0) weld(facets, random);
-  }
+  for (std::vector<Binned>& facets : content) mix_bodies(facets, random);
   std::ranges::shuffle(content, random);
   BinnedCounter survey(std::vector<bool>(bodies.size(), true));
   for (const auto& facets : content) {
     BinnedCounter::Bin bin(survey, facets.size());
-    for (const BinnedFacet& f : facets) bin.add(f);
+    add_as_blocks(facets, random, bin);
     bin.finish();
   }
   REQUIRE(survey.waiting() == 0);
@@ -111,24 +136,27 @@ TEST_CASE("A shell through all bins is one, in whatever order its parts are foun
   REQUIRE(by_bins({facets}, {20, 3}, random)[0].shells == 4);
 }
 
-TEST_CASE("Facets that close a hole are no facets of the file's") {
+// Counts one facet twice, the second time as `change` makes it.
+Counted counted_twice(const std::function<void(BinnedFacets&)>& change) {
   BinnedCounter survey({true});
   BinnedCounter::Bin bin(survey, 2);
-  const Facet f{{Vec3{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}};
-  bin.add({f, 0, true, 1, false, false});
-  bin.add({f, 0, true, 1, true, false});
+  const std::vector<Vec3> vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  const std::vector<BinnedFacets::One> facet = {{.vertices = {0, 1, 2}}};
+  BinnedFacets some;
+  some.facets = facet, some.vertices = vertices, some.block = 1;
+  bin.add(some);
+  change(some);
+  bin.add(some);
   bin.finish();
-  REQUIRE(as_counted(survey.totals()[0]) == Counted{0, 0, 0, 1});
+  return as_counted(survey.totals()[0]);
+}
+
+TEST_CASE("Facets that close a hole are no facets of the file's") {
+  REQUIRE(counted_twice([](BinnedFacets& f) { f.added = true; }) == Counted{0, 0, 0, 1});
 }
 
 TEST_CASE("A facet that counts for nothing among the crossings is counted all the same") {
-  BinnedCounter survey({true});
-  BinnedCounter::Bin bin(survey, 2);
-  const Facet f{{Vec3{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}};
-  bin.add({f, 1, true, 1, false, false});
-  bin.add({f, 1, true, 1, false, true});
-  bin.finish();
-  REQUIRE(as_counted(survey.totals()[0]) == Counted{0, 1, 0, 1});
+  REQUIRE(counted_twice([](BinnedFacets& f) { f.ignored = true; }) == Counted{0, 1, 0, 1});
 }
 
 TEST_CASE("Counts by the bins of a grid, of which many facets see no ray, are those of the whole surface") {
@@ -153,9 +181,7 @@ TEST_CASE("Counts by the bins of a grid, of which many facets see no ray, are th
       continue;
     }
     BinnedCounter::Bin bin(survey, bins.facets(at));
-    bins.take(at, [&](std::span<const BinnedFacet> of_bin) {
-      for (const BinnedFacet& f : of_bin) bin.add(f);
-    });
+    bins.take(at, [&](const BinnedFacets& some) { bin.add(some); });
     bin.finish();
     ++leaves;
   }

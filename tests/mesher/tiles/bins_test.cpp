@@ -74,15 +74,23 @@ void for_each_bin(const Metadata& meta, const FacetBins& bins, F&& f) {
 
 struct Taken {
   TreePlace place;
-  BinnedFacet facet;
+  struct {
+    Facet facet, placed;
+    RayRange rays;
+    uint32_t layer, bins;
+    bool at_home, leads, added, ignored;
+  } facet;
 };
 
 std::vector<Taken> take_all(const Metadata& meta, FacetBins& bins, bool parts = false) {
   std::vector<Taken> out;
   for_each_bin(meta, bins, [&](const TreePlace& place) {
     const size_t before = out.size();
-    bins.take(place, [&](std::span<const BinnedFacet> of_bin) {
-      for (const BinnedFacet& f : of_bin) out.push_back({place, f});
+    bins.take(place, [&](const BinnedFacets& some) {
+      for (size_t i = 0; i < some.facets.size(); ++i) {
+        const BinnedFacets::One& f = some.facets[i];
+        out.push_back({place, {some.in_file(f), some.placed(i), f.rays, some.layer, f.bins, f.at_home, f.leads, some.added, some.ignored}});
+      }
     });
     if (!parts) REQUIRE(out.size() - before == bins.facets(place));
   });

@@ -65,15 +65,6 @@ TEST_CASE("Pieces come back as they were added, also those that were added after
   CHECK(log.bytes() == bytes);
 }
 
-TEST_CASE("What was read from memory stays while pieces are added") {
-  PieceLog log({.bytes = 1}, 0, true, false);
-  std::vector<uint8_t> room;
-  const Kept first = keep_pieces(log, 1, {1000}).front();
-  const std::span<const uint8_t> read = log.read(first.piece, room);
-  keep_pieces(log, 2, std::vector<size_t>(17, PieceLog::kMostOfPiece));
-  CHECK(std::ranges::equal(read, first.bytes));
-}
-
 TEST_CASE("A byte of the file that changed is an error, whoever wrote it") {
   const TempFolder folder;
   const bool own_writer = GENERATE(false, true);

@@ -54,6 +54,29 @@ TEST_CASE("The file's bytes do not depend on the memory given, nor on threads", 
   }
 }
 
+TEST_CASE("A binary STL file that several threads read in blocks makes the same file and the same report", "[threads]") {
+  const TempFolder folder;
+  Facets facets = shapes::torus({30, 30, 30}, 18, 9, 200, kSanitized ? 180 : 240);
+  facets[70] = facets[9000], facets[71] = shapes::flip({facets[9001]})[0];
+  facets[72].vertex[0] = facets[72].vertex[1];
+  const Axis axis = Axis::uniform(0, 0.7, 0, 90, 0.5);
+  Scene scene = scene_of(folder, {{facets}, {facets, Rule::kNonzero, 2}}, Grid{{axis, axis, axis}});
+  scene.bodies[1].matrix = {0, -1, 0, 60, 1, 0, 0, 3, 0, 0, 0.9, 3};
+  for (SceneBody& body : scene.bodies) {
+    body.fill = Fill::kAuto;
+    body.mesh = folder / "torus.stl";
+  }
+  shapes::write_stl(folder / "torus.stl", facets, shapes::Encoding::kLittleEndian);
+  const auto in_memory = mesh_quietly(scene, folder / "a.tcell", {.threads = 1});
+  REQUIRE(in_memory["spilled_bytes"] == 0);
+  for (const auto& [threads, memory] : {std::pair(1, 16 << 20), {3, 16 << 20}, {3, 1}}) {  // with so little, one thread reads
+    const auto spilled = mesh_quietly(scene, folder / "b.tcell", {.threads = threads, .memory = static_cast<uint64_t>(memory)});
+    REQUIRE((kSanitized && memory > 1) == (spilled["spilled_bytes"] == 0));  // of fewer facets the bins stay in memory
+    REQUIRE(spilled["bodies"] == in_memory["bodies"]);
+    REQUIRE(bytes_of(folder / "a.tcell") == bytes_of(folder / "b.tcell"));
+  }
+}
+
 TEST_CASE("Links lead to the same patches where facets of several lie on each other, also in a group with several bins") {
   const TempFolder folder;
   const Grid grid{{Axis::uniform(0, 1, 0, 64, 0.5), Axis::uniform(0, 1, 0, 64, 0.5), Axis::uniform(0, 1, 0, 64, 0.5)}};
