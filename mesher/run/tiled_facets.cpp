@@ -207,7 +207,7 @@ std::unique_ptr<FacetBins> TiledFacets::fill_bins(const TreeRange& range, bool a
                {.budget = budget_,
                 .kept = bodies_.kept.get(),
                 .enter_patch = [&](uint32_t of_file) { patch = patch_of(b, of_file); },
-                .blocks = threads_ > 1 ? &blocks : nullptr,
+                .blocks = blocks.threads > 1 ? &blocks : nullptr,
                 .take_part = take_part});
     for (const bool parity : {false, true}) add(closed.added[parity], layer_of(b, parity), FacetBins::kAdded, patch_of(b, kCapPatch));
     for (const bool parity : {false, true}) add(closed.walls[parity], layer_of(b, parity), FacetBins::kPlaced, patch_of(b, kSidePatch));
