@@ -47,10 +47,6 @@ void append_boundary(std::vector<Use>& uses, std::vector<BoundaryEdge>& out) {
   }
 }
 
-}  // namespace
-
-namespace {
-
 // Of an edge, by halves of the hashes of its ends, one or some side by side: what is added to a sum, and to a parity. Without a branch, since which
 // end has the greater hash can't be predicted. An edge without length adds nothing. The sum of the ends is mixed as MurmurHash3, by A. Appleby, ends:
 // by multiplications of 64 bits, which vector units have.

@@ -190,9 +190,10 @@ std::unique_ptr<FacetBins> TiledFacets::fill_bins(const TreeRange& range, bool a
                              .ahead = std::clamp<uint64_t>(budget_.bytes >> 25, 1, 8),  // of half a megabyte at most
                              .wanted =
                                  [&] {
+                                   if (closed.rules) return false;
                                    hand_on();
                                    background.finish();
-                                   return !closed.rules;
+                                   return true;
                                  },
                              .take = [&](std::span<const Facet> facets, int) -> std::function<void()> {
                                const auto ready = ready_blocks.take();
