@@ -10,6 +10,7 @@
 #include "mesher/planes/flat_faces.hpp"
 #include "mesher/surface/read_facets.hpp"
 #include "mesher/tiles/facet_store.hpp"
+#include "mesher/tiles/piece_log.hpp"
 #include "store/base/background.hpp"
 #include "store/base/spill.hpp"
 
@@ -17,6 +18,12 @@ namespace teracell::mesher {
 
 // Until patches are numbered (patches.hpp), a facet has the number of its patch in its file, and what closes a body has one of these.
 inline constexpr uint32_t kCapPatch = kAddedFacet, kSidePatch = kAddedFacet | 1;
+
+// Facets of a body in Bodies::log, as blocks of a FacetWelder (welded_records.hpp), in single precision if their file is.
+struct LoggedFacets {
+  PieceLog::Piece piece;
+  uint32_t patch;
+};
 
 struct BodyFacets {
   SurfaceFile file;
@@ -26,6 +33,7 @@ struct BodyFacets {
   BoundaryProof boundary;
   bool repeats = false;                 // its tree does (part_tree.hpp)
   std::optional<SurfaceCounts> counts;  // then, if its shapes tell them (part_counts.hpp)
+  std::vector<LoggedFacets> logged;     // all its facets in their order, or none: then they must be read again unless they are in memory
   SurfaceCounts facet_counts;           // if they were to be counted and all facets are in memory: without shells
   bool opposites = false;  // two facets of a sample have the same vertices and opposite orientations
   ClosedBody closed;       // by close_bodies()
@@ -36,6 +44,7 @@ struct BodyFacets {
 struct Bodies {
   bool in_memory = true;
   std::unique_ptr<FileFacets> facets = std::make_unique<FileFacets>();  // null once they were handed on to be tiled
+  std::unique_ptr<PieceLog> log;  // null: no facets lie there
   std::vector<BodyFacets> bodies;
   Vec3 lo, hi;  // the box of all vertices, as the grid sees them
   Vec3 area{};  // of the facets' projections along x, y, z
@@ -50,11 +59,11 @@ struct Bodies {
   bool float32() const;          // every vertex was declared as float32
 };
 
-// Reads every mesh, on one thread or two. Facets are kept in memory as long as they fit into `budget`; if they don't, they must be
-// read again later. `count`: whether to count what the surfaces in memory are made of. `progress` is called every few thousand facets with
-// the bodies read so far, as a share of 1.
-// The box is that of exact surfaces where they have one.
-Bodies read_bodies(const Scene& scene, const ExactSurfaces& exact, int threads, const Budget& budget, bool count,
+// Reads every mesh, on one thread or more. Facets are kept in memory as long as they fit into `budget`; if they don't, those that come in blocks are
+// logged, where there is room and they are to be used `again`, and others must be read again then. `count`: whether to count what the surfaces in
+// memory are made of. `progress` is
+// called every few thousand facets with the bodies read so far, as a share of 1. The box is that of exact surfaces where they have one.
+Bodies read_bodies(const Scene& scene, const ExactSurfaces& exact, int threads, const Budget& budget, bool count, bool again,
                    const std::function<void(double)>& progress);
 
 // The flat faces of all bodies, for axes whose planes are made, as far as facets that are flat but for rounding were told while the bodies were
@@ -69,6 +78,8 @@ void for_each_facet(const SceneBody& body, const BodyFacets& found, const Bodies
                     const std::function<void(const Facet&)>& f);
 // Calls f with all facets, those that close surfaces included, as the grid sees them. REQUIRES: they were not handed on.
 void for_each_placed(const Scene& scene, const Bodies& bodies, const Budget& budget, const std::function<void(const Facet&, uint32_t layer)>& f);
+// Hands the facets of a piece of the log to the sink. For any thread.
+void read_logged(const Bodies& bodies, const BodyFacets& found, const LoggedFacets& logged, const FacetSink& sink);
 // Reads a body's file once more, in the units in which it was read. Throws InputError when the file has changed.
 void read_again(const SceneBody& body, const BodyFacets& found, const FacetSink& sink, ReadOptions options);
 

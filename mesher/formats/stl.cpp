@@ -247,7 +247,6 @@ uint64_t read_blocks(Input& input, uint64_t facets, const FacetBlocks& blocks) {
   };
   std::mutex mutex;
   std::vector<std::vector<char>> spare;
-  std::vector<std::unique_ptr<Facet[]>> decoded(static_cast<size_t>(blocks.threads));
   uint64_t done = 0, bytes = 0;
   std::exception_ptr later;  // thrown while a block was read that has facets nevertheless
   const auto next = [&]() -> std::optional<Block> {
@@ -271,17 +270,23 @@ uint64_t read_blocks(Input& input, uint64_t facets, const FacetBlocks& blocks) {
     block.records.resize(got / kRecord * kRecord);
     return block;
   };
-  const auto decode = [&](Block block, int worker) {
-    std::unique_ptr<Facet[]>& room = decoded[static_cast<size_t>(worker)];
-    if (!room) room = std::make_unique_for_overwrite<Facet[]>(FacetBlocks::kFacets);
+  const auto make = [&](Block block, int worker) {
+    std::array<Facet, FacetBlocks::kSome> room;
     const size_t count = block.records.size() / kRecord;
-    Facet* to = room.get();
-    decode_all(block.records.data(), count, block.first, block.offset, input, [&to]() -> Facet& { return *to++; });
+    size_t decoded = 0;
+    auto then = blocks.take(
+        [&] {
+          const size_t from = std::exchange(decoded, std::min(decoded + room.size(), count));
+          Facet* to = room.data();
+          decode_all(block.records.data() + kRecord * from, decoded - from, block.first + from, block.offset + kRecord * from, input,
+                     [&to]() -> Facet& { return *to++; });
+          return std::span<const Facet>(room).first(decoded - from);
+        },
+        worker);
     std::lock_guard lock(mutex);
     spare.push_back(std::move(block.records));
-    return std::span<const Facet>(room.get(), count);
+    return then;
   };
-  const auto make = [&](Block block, int worker) { return blocks.take(decode(std::move(block), worker), worker); };
   in_order(
       blocks.threads, next, make, [](const std::function<void()>& then) { then(); }, blocks.ahead, blocks.idle);
   return bytes;
@@ -295,7 +300,7 @@ void read_binary(Input& input, FacetStream& out, SurfaceFile& file, const ReadOp
   options.expect(facets);
   input.consume(kHeader);
   constexpr uint64_t kWorthThreads = 4 * FacetBlocks::kFacets;
-  if (const FacetBlocks* blocks = wanted && facets >= kWorthThreads ? out.blocks() : nullptr) {
+  if (const FacetBlocks* blocks = wanted && facets >= kWorthThreads ? out.blocks(file.float32) : nullptr) {
     if (const uint64_t bytes = read_blocks(input, facets, *blocks); bytes < kRecord * facets) cut_short(input, facets, kHeader + bytes);
     out.add_blocks(facets);
     return skip_rest(input, out, facets);

@@ -17,7 +17,7 @@ DryRun dry_run(const Scene& scene, const MeshOptions& options, const Progress& p
     progress(phase, share, 1);
   };
   const auto began = std::chrono::steady_clock::now();
-  const Bodies bodies = read_scene(scene, options, threads, budget, false, said);
+  const Bodies bodies = read_scene(scene, options, threads, budget, false, false, said);
   DryRun out;
   out.read_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
   out.plan = make_plan(scene, bodies, options.axis, options.chunk_rays, options.fractions, options.links);

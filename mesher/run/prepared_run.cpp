@@ -32,7 +32,7 @@ PreparedRun::PreparedRun(const Scene& of, const std::filesystem::path& output, c
       progress_(progress),
       stop_(stop) {
   system::give_back_memory(budget.unasked());
-  bodies = read_scene(scene, options, threads, budget, counts, [this](const char* phase, double share) { this->progress(phase, share); });
+  bodies = read_scene(scene, options, threads, budget, counts, true, [this](const char* phase, double share) { this->progress(phase, share); });
   end_phase("read");
   plan = make_plan(scene, bodies, options.axis, options.chunk_rays, options.fractions, options.links);
   for (BodyFacets& body : bodies.bodies) body.flat = {};

@@ -7,6 +7,7 @@
 
 #include "mesher/closing/lengths.hpp"
 #include "mesher/scene/placement.hpp"
+#include "store/base/in_order.hpp"
 
 namespace teracell::mesher {
 namespace {
@@ -87,6 +88,7 @@ TiledFacets::TiledFacets(const Scene& scene, Bodies& bodies, const Metadata& met
       threads_(threads),
       patches_(patches),
       progress_(std::move(progress)),
+      spilled_(bodies.log && !bodies.log->in_memory() ? bodies.log->bytes() : 0),
       binned_(to_be_counted(bodies)) {}
 
 // When a run ends early, jobs may still count facets that are freed here.
@@ -101,9 +103,10 @@ Tiling& TiledFacets::tile(const TreeRange& range, bool count, bool again) {
     return tiling_.emplace(facets_, meta_, widened_, range);
   }
   // What counts facets needs all of them.
+  const uint64_t held_by_log = bodies_.log && bodies_.log->in_memory() ? bodies_.log->bytes() : 0;
   auto bins = fill_bins(count ? TreeRange() : range, again);
-  if (bins->in_memory()) held_ = std::max(held_, bins->bytes());
-  else spilled_ += bins->bytes();
+  if (!bins->in_memory()) spilled_ += bins->bytes();
+  held_ = std::max(held_, held_by_log + (bins->in_memory() ? bins->bytes() : 0));
   return tiling_.emplace(std::move(bins), count ? &binned_ : nullptr, threads_ > 1 ? std::min(threads_, kMostAhead) : 0, meta_, range);
 }
 
@@ -129,7 +132,29 @@ std::vector<SurfaceCounts> TiledFacets::counts() {
   return out;
 }
 
-// They are read once more, from their files.
+// Whoever reads a piece of the log also makes its facets ready; here they are added in their order.
+void TiledFacets::add_logged(size_t b, FacetBins& bins, Background& idle, const std::function<void(double)>& went_on) {
+  const BodyFacets& found = bodies_.bodies[b];
+  ReadyBlocks lists;
+  auto next = found.logged.begin();
+  size_t added = 0;
+  in_order(
+      FacetBlocks::readers(budget_, threads_), [&] { return next == found.logged.end() ? std::nullopt : std::optional(&*next++); },
+      [&](const LoggedFacets* logged, int) {
+        std::vector<uint8_t> room;
+        ReadyBlocks::List ready = lists.take();
+        bins.make_ready(bodies_.log->read(logged->piece, room), found.file.float32, found.closed.layer(b), patch_of(b, logged->patch), *ready);
+        return ready;
+      },
+      [&](const ReadyBlocks::List& ready) {
+        bins.add(*ready);
+        lists.give_back(ready);
+        went_on(static_cast<double>(++added) / static_cast<double>(found.logged.size()));
+      },
+      std::clamp<uint64_t>(budget_.bytes >> 25, 1, 8), &idle);  // of some hundred kilobytes
+}
+
+// They are read once more: from the log, or from their files.
 std::unique_ptr<FacetBins> TiledFacets::fill_bins(const TreeRange& range, bool again) {
   FacetBins::Move move;
   if (const std::vector<bool> moves = which_move(scene_); std::ranges::count(moves, true) > 0)
@@ -149,7 +174,7 @@ std::unique_ptr<FacetBins> TiledFacets::fill_bins(const TreeRange& range, bool a
   std::shared_ptr<FacetBins::Ready> batch = lists.next();  // of facets that are ready
   Background background(threads_ > 1);
   const auto hand_on = [&] {
-    if (batch->empty()) return;
+    if (batch->bytes() == 0) return;
     background.run([&bins, batch] { bins->add(*batch); });
     batch = lists.next();
   };
@@ -157,11 +182,10 @@ std::unique_ptr<FacetBins> TiledFacets::fill_bins(const TreeRange& range, bool a
     constexpr size_t kPiece = 1024;
     for (size_t first = 0; first < facets.size(); first += kPiece) {
       bins->make_ready(facets.subspan(first, std::min(kPiece, facets.size() - first)), layer, origin, patch, *batch);
-      if (batch->size() >= kBatch) hand_on();
+      if (batch->bytes() >= kBatch) hand_on();
     }
   };
   SharedTrees trees(budget_.bytes / 4);
-  ReadyBlocks ready_blocks;
   uint64_t done = 0;
   const auto went_on = [&](uint64_t more) { progress_(static_cast<double>(done += more) / static_cast<double>(all)); };
   for (size_t b = 0; b < scene_.bodies.size(); ++b) {
@@ -184,32 +208,22 @@ std::unique_ptr<FacetBins> TiledFacets::fill_bins(const TreeRange& range, bool a
       went_on(tree->facets(part));
       return true;
     };
-    // Who has read a block also makes it ready; here they are added in their order.
-    const FacetBlocks blocks{.threads = FacetBlocks::readers(budget_, threads_),
-                             .idle = &background,
-                             .ahead = std::clamp<uint64_t>(budget_.bytes >> 25, 1, 8),  // of half a megabyte at most
-                             .wanted =
-                                 [&] {
-                                   if (closed.rules) return false;
-                                   hand_on();
-                                   background.finish();
-                                   return true;
-                                 },
-                             .take = [&](std::span<const Facet> facets, int) -> std::function<void()> {
-                               const auto ready = ready_blocks.take();
-                               bins->make_ready(facets, closed.layer(b), FacetBins::kOfFile, patch, *ready);
-                               return [&, ready, count = facets.size()] {
-                                 bins->add(*ready);
-                                 ready_blocks.give_back(ready);
-                                 went_on(count);
-                               };
-                             }};
-    read_again(scene_.bodies[b], found, take,
-               {.budget = budget_,
-                .kept = bodies_.kept.get(),
-                .enter_patch = [&](uint32_t of_file) { patch = patch_of(b, of_file); },
-                .blocks = blocks.threads > 1 ? &blocks : nullptr,
-                .take_part = take_part});
+    if (found.logged.empty()) {
+      read_again(scene_.bodies[b], found, take,
+                 {.budget = budget_,
+                  .kept = bodies_.kept.get(),
+                  .enter_patch = [&](uint32_t of_file) { patch = patch_of(b, of_file); },
+                  .take_part = take_part});
+    } else if (closed.rules) {
+      for (const LoggedFacets& logged : found.logged) patch = patch_of(b, logged.patch), read_logged(bodies_, found, logged, take);
+    } else {
+      hand_on();
+      background.finish();
+      add_logged(b, *bins, background, [&, before = done](double share) {
+        done = before + static_cast<uint64_t>(share * static_cast<double>(found.file.facets));
+        went_on(0);
+      });
+    }
     for (const bool parity : {false, true}) add(closed.added[parity], layer_of(b, parity), FacetBins::kAdded, patch_of(b, kCapPatch));
     for (const bool parity : {false, true}) add(closed.walls[parity], layer_of(b, parity), FacetBins::kPlaced, patch_of(b, kSidePatch));
   }
@@ -217,7 +231,8 @@ std::unique_ptr<FacetBins> TiledFacets::fill_bins(const TreeRange& range, bool a
   background.finish();
   if (!again) {
     bodies_.kept->clear();
-    for (BodyFacets& body : bodies_.bodies) body.closed.drop_facets();
+    if (bodies_.log) bodies_.helper->run_later([log = std::shared_ptr<PieceLog>(std::move(bodies_.log))] {});  // to free it takes a while
+    for (BodyFacets& body : bodies_.bodies) body.logged.clear(), body.closed.drop_facets();
   }
   bins->finish();
   return bins;

@@ -30,6 +30,7 @@ class TiledFacets {
   uint32_t patch_of(size_t body, uint32_t patch) const { return patches_ ? patches_->of(static_cast<uint32_t>(body), patch) : 0; }
   void take_from_memory(bool count);
   std::unique_ptr<FacetBins> fill_bins(const TreeRange& range, bool again);
+  void add_logged(size_t b, FacetBins& bins, Background& idle, const std::function<void(double)>& went_on);
 
   const Scene& scene_;
   Bodies& bodies_;

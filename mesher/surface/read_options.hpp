@@ -51,7 +51,7 @@ inline constexpr uint32_t kNoVertexNumber = ~uint32_t{0};
 // Takes the facets of a file in blocks, on several threads, where its format lets a reader tell facets apart without parsing them one by one. Then
 // the sink gets none of them.
 struct FacetBlocks {
-  static constexpr size_t kFacets = 4096;  // of each block but the last one
+  static constexpr size_t kFacets = 4096, kSome = 256;  // of each block but the last one, and of its parts but the last one
 
   // How many threads of a run read blocks. Each takes up to 2 MB.
   static int readers(const Budget& budget, int threads) {
@@ -60,20 +60,20 @@ struct FacetBlocks {
   int threads = 1;
   Background* idle = nullptr;  // its thread may be one of them; take() must not use it
   uint64_t ahead = 1;          // so many outcomes of take() may wait for their turn, for each thread
-  // Whether the facets are to come this way: asked once before the first one, after expect() and enter_patch().
-  std::function<bool()> wanted;
-  // Takes a block on any of the threads, `worker` in [0, threads); 0 is the calling one. Returns what is to be done on the calling thread, in the
-  // order of the blocks.
-  std::function<std::function<void()>(std::span<const Facet> facets, int worker)> take;
+  // Whether the facets are to come this way: asked once before the first one, after expect() and enter_patch(). `float32`: as SurfaceFile's.
+  std::function<bool(bool float32)> wanted;
+  // Takes a block on any of the threads, `worker` in [0, threads); 0 is the calling one. Each call of next() gives some more of its facets, which lie
+  // in the cache then, and after the last ones none. Returns what is to be done on the calling thread, in the order of the blocks.
+  std::function<std::function<void()>(const std::function<std::span<const Facet>()>& next, int worker)> take;
 };
 
 struct ReadOptions {
-  Budget budget;                 // vertices that must be kept stay within it; others are kept on disk
-  std::string units;             // coordinates of a file that states its unit are converted to these; empty: they stay as they are
-  KeptTrees* kept = nullptr;     // keeps files with a tree for the next call
+  Budget budget;  // vertices that must be kept stay within it; others are kept on disk
+  std::string units;  // coordinates of a file that states its unit are converted to these; empty: they stay as they are
+  KeptTrees* kept = nullptr;  // keeps files with a tree for the next call
   std::shared_ptr<const CadOptions> cad = cad_or_usual(nullptr);  // never null
-  bool face_patches = false;     // of a part, faces with a colour of their own are patches: "/as1/plate:red"
-  bool outline = false;          // only the tree is wanted: shapes of exact surfaces may stand for facets that are not made
+  bool face_patches = false;  // of a part, faces with a colour of their own are patches: "/as1/plate:red"
+  bool outline = false;  // only the tree is wanted: shapes of exact surfaces may stand for facets that are not made
   Background* helper = nullptr;  // may do part of the parsing; it may have other jobs
   // Called before the first facet by a reader that knows about how many there are.
   std::function<void(uint64_t)> expect = [](uint64_t) {};

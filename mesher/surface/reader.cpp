@@ -151,11 +151,11 @@ void FacetStream::flush() {
   used_ = 0;
 }
 
-const FacetBlocks* FacetStream::blocks() {
+const FacetBlocks* FacetStream::blocks(bool float32) {
   if (!blocks_) return nullptr;
   begin_patch();
   limit_ = capacity_;
-  return blocks_->wanted() ? blocks_ : nullptr;
+  return blocks_->wanted(float32) ? blocks_ : nullptr;
 }
 
 void FacetStream::make_room() {

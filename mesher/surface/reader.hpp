@@ -48,7 +48,7 @@ class FacetStream {
     if (numbers_) numbers_->push_back({vertex_number(numbers[0]), vertex_number(numbers[1]), vertex_number(numbers[2])});
   }
   // What takes blocks of facets, if that is wanted for those that follow, else null.
-  const FacetBlocks* blocks();
+  const FacetBlocks* blocks(bool float32);
   // These went there.
   void add_blocks(uint64_t facets) { facets_ += facets; }
   // Adds to SurfaceFile::warnings; called once per kind of warning.

@@ -20,18 +20,6 @@ constexpr uint64_t kMostUseful = uint64_t{256} << 20;
 constexpr uint64_t kMostFacets = 200'000;
 constexpr uint64_t kLeastBuffer = 4096;
 
-// The nine coordinates of a facet, each a T. Returns where they end. (Gathered first, they were copied in larger words than those that they had
-// just been written in, and waited until those had reached the cache.)
-template <class T>
-uint8_t* put_coordinates(const Facet& facet, uint8_t* to) {
-  for (const Vec3& vertex : facet.vertex)
-    for (const double coordinate : vertex) {
-      const T value = static_cast<T>(coordinate);
-      std::memcpy(to, &value, sizeof value);
-      to += sizeof value;
-    }
-  return to;
-}
 template <class T>
 Vec3 vertex_of(const uint8_t* from) {
   std::array<T, 3> all;
@@ -112,52 +100,19 @@ uint64_t FacetBins::bins_below(const TreePlace& place, int depth) const {
 
 uint64_t FacetBins::bins_at(int depth) const { return bins_below(rays_.root(), depth); }
 
-FacetBins::UnitRange FacetBins::units_of(const RayRange& r) const {
-  const uint32_t u = rays_.shape.nu - 1, v = rays_.shape.nv - 1;
-  const Side& unit = rays_.unit;
-  return {unit.of(std::min(r.u0, u)), unit.of(std::min(r.u1, u)), unit.of(std::min(r.v0, v)), unit.of(std::min(r.v1, v))};
-}
-
-void FacetBins::encode(const Facet& facet, uint32_t tag, uint32_t patch, std::span<uint8_t> record) const {
-  uint8_t* const to = float32_ ? put_coordinates<float>(facet, record.data()) : put_coordinates<double>(facet, record.data());
-  std::memcpy(to, &tag, sizeof tag);
-  if (patches_) std::memcpy(to + sizeof tag, &patch, sizeof patch);
-}
-
-void FacetBins::make_ready(std::span<const Facet> facets, uint32_t layer, Origin origin, uint32_t patch, Ready& out) const {
-  const uint32_t tag = layer | (origin == kOfFile ? 0 : kNotOfFile) | (origin == kPlaced ? kInPlace : 0);
-  const size_t before = out.size(), each = sizeof(UnitRange) + record_bytes_;
-  out.resize(before + facets.size() * each);
-  uint8_t* to = out.data() + before;
-  constexpr size_t kAtOnce = 32;
-  std::array<Facet, kAtOnce> moved;
-  std::array<RayRange, kAtOnce> ranges;
-  const bool moves = move_ && origin != kPlaced;
-  for (; !facets.empty(); facets = facets.subspan(std::min(kAtOnce, facets.size()))) {
-    const std::span<const Facet> some = facets.first(std::min(kAtOnce, facets.size()));
-    if (moves) std::ranges::transform(some, moved.begin(), [&](const Facet& f) { return move_(f, layer_in(tag)); });
-    rays_.ranges_of(
-        some.size(), [placed = moves ? moved.data() : some.data()](size_t i) TERACELL_IN_LINE -> const Facet& { return placed[i]; }, layer_in(tag),
-        ranges.data());
-    for (size_t i = 0; i < some.size(); ++i, to += each) {
-      const UnitRange units = units_of(ranges[i]);
-      std::memcpy(to, &units, sizeof units);
-      encode(some[i], tag, patch, {to + sizeof units, record_bytes_});
-    }
-  }
-}
-
-void FacetBins::add(std::span<const uint8_t> ready) {
+void FacetBins::add(const Ready& ready) {
   UnitRange units;
-  const int shift = rays_.shift(first_);
-  const auto bin = [shift](uint64_t unit) { return unit >> shift; };  // by as many bits as a unit has, if there is one bin
-  for (; !ready.empty(); ready = ready.subspan(sizeof units + record_bytes_)) {
-    __builtin_prefetch(ready.data() + std::min<size_t>(1024, ready.size() - 1));  // written by another processor
-    std::memcpy(&units, ready.data(), sizeof units);
-    const auto record = ready.subspan(sizeof units, record_bytes_);
-    for (uint64_t v = bin(units.first_v); v <= bin(units.last_v); ++v)
-      for (uint64_t u = bin(units.first_u); u <= bin(units.last_u); ++u) put(*first_bins_[v * first_u_ + u], units, record, nullptr);
+  for (std::span<const uint8_t> facets = ready.facets; !facets.empty(); facets = facets.subspan(sizeof units + record_bytes_)) {
+    __builtin_prefetch(facets.data() + std::min<size_t>(1024, facets.size() - 1));  // written by another processor
+    std::memcpy(&units, facets.data(), sizeof units);
+    const auto record = facets.subspan(sizeof units, record_bytes_);
+    for (uint64_t v = first_bin_of(units.first_v); v <= first_bin_of(units.last_v); ++v)
+      for (uint64_t u = first_bin_of(units.first_u); u <= first_bin_of(units.last_u); ++u)
+        put(*first_bins_[v * first_u_ + u], units, record, nullptr);
   }
+  for_each_ready(ready.blocks, [&](const ReadyBlock& facts, std::span<const uint8_t> block) {
+    put_block(*first_bins_[size_t{facts.v} * first_u_ + facts.u], facts, block);
+  });
 }
 
 void FacetBins::add(BinnedPart part) {
@@ -222,11 +177,47 @@ void FacetBins::put_here(Bin& bin, const UnitRange& units, std::span<const uint8
     bin.copies_next += part ? facets : all * bins_met(bin.place, units, bin.place.depth - 1);
   }
   if (bin.buffer.empty()) bin.buffer.resize(bin.room);
-  std::memcpy(bin.buffer.data() + bin.buffered, record.data(), record.size());
-  bin.buffered += record.size();
+  std::memcpy(bin.buffer.data() + bin.of_records, record.data(), record.size());
+  bin.of_records += record.size();
+  if (bin.of_records + record.size() > bin.room - bin.of_blocks) flush(bin);
+  split_if_large(bin);
+}
+
+void FacetBins::split_if_large(Bin& bin) {
   if (bin.facets > most_facets_ && split_depth(bin) < bin.place.depth && rooms_ + rooms_of(bin.place, split_depth(bin), bin.room) <= most_rooms_)
     split(bin);
-  else if (bin.buffered >= bin.room) flush(bin);
+}
+
+// Puts a block into a bin or into those below it.
+void FacetBins::put_block(Bin& bin, const ReadyBlock& facts, std::span<const uint8_t> block) {
+  if (!bin.wanted) return;
+  if (!bin.children.empty()) return put_below(bin, block);
+  bin.facets += WeldedRecords::records_in(block);
+  bin.looked_at += facts.looked_at, bin.copies += facts.copies, bin.copies_next += facts.copies_next;
+  if (block.size() > bin.room) {
+    bin.pieces.push_back(log_.add(block));
+  } else {
+    if (block.size() > bin.room - bin.of_blocks - bin.of_records) flush(bin);
+    if (bin.buffer.empty()) bin.buffer.resize(bin.room);
+    bin.of_blocks += block.size();
+    std::ranges::copy(block, bin.buffer.end() - static_cast<ptrdiff_t>(bin.of_blocks));
+    if (bin.of_records + record_bytes_ > bin.room - bin.of_blocks) flush(bin);
+  }
+  split_if_large(bin);
+}
+
+// Puts the records of a block into bins, each for itself.
+void FacetBins::put_facets(Bin& bin, const WeldedRecords& block) {
+  std::array<uint8_t, kMostOfRecord> room;
+  const std::span<uint8_t> record(room.data(), record_bytes_);
+  block.for_each_run([&](size_t first, size_t last, std::span<const uint8_t> rest) {
+    std::ranges::copy(rest, record.end() - static_cast<ptrdiff_t>(rest.size()));
+    for (size_t i = first; i < last; ++i) {
+      for (size_t k = 0; k < 3; ++k)
+        std::ranges::copy(block.vertex(block.vertices_of(i)[k]), record.begin() + static_cast<ptrdiff_t>(k * shape_.vertex));
+      put(bin, units_of(record), record, is_part(tag_in(rest)) ? &part_in(record) : nullptr);
+    }
+  });
 }
 
 bool FacetBins::meets(const TreePlace& place, const UnitRange& units) const {
@@ -253,10 +244,12 @@ uint32_t FacetBins::bins_of(const Bin& bin, const UnitRange& units) const {
 }
 
 void FacetBins::flush(Bin& bin) {
-  if (bin.buffered == 0) return;
-  welder_.weld(std::span(bin.buffer).first(bin.buffered), block_);
-  bin.pieces.push_back(log_.add(block_));
-  bin.buffered = 0;
+  if (bin.of_records > 0) {
+    welder_.weld(std::span(bin.buffer).first(bin.of_records), block_);
+    bin.pieces.push_back(log_.add(block_));
+  }
+  if (bin.of_blocks > 0) bin.pieces.push_back(log_.add(std::span(bin.buffer).last(bin.of_blocks)));
+  bin.of_records = bin.of_blocks = 0;
 }
 
 int FacetBins::below(int depth) const { return std::min(depth - 1, fine_); }
@@ -291,18 +284,7 @@ void FacetBins::split(Bin& bin) {
   const int depth = split_depth(whole);
   rooms_ += rooms_of(bin.place, depth, whole.room);
   open(bin, depth, room_of(bin.place, depth, whole.room));
-  std::array<uint8_t, kMostOfRecord> room;
-  const std::span<uint8_t> record(room.data(), record_bytes_);
-  take_blocks(whole, [&](const WeldedRecords& block) {
-    block.for_each_run([&](size_t first, size_t last, std::span<const uint8_t> rest) {
-      std::ranges::copy(rest, record.end() - static_cast<ptrdiff_t>(rest.size()));
-      for (size_t i = first; i < last; ++i) {
-        for (size_t k = 0; k < 3; ++k)
-          std::ranges::copy(block.vertex(block.vertices_of(i)[k]), record.begin() + static_cast<ptrdiff_t>(k * shape_.vertex));
-        put(bin, units_of(record), record, is_part(tag_in(rest)) ? &part_in(record) : nullptr);
-      }
-    });
-  });
+  take_blocks(whole, [&](std::span<const uint8_t> block) { put_below(bin, block); });
 }
 
 void FacetBins::finish() {
@@ -344,13 +326,9 @@ void FacetBins::for_each_bin(const TreePlace& place, const std::function<void(co
   visit(visit, bin_at(place));
 }
 
-void FacetBins::take_blocks(Bin& bin, const std::function<void(const WeldedRecords&)>& f) {
+void FacetBins::take_blocks(Bin& bin, const std::function<void(std::span<const uint8_t>)>& f) {
   std::vector<uint8_t> room;
-  WeldedRecords block(shape_);
-  for (const PieceLog::Piece& piece : bin.pieces) {
-    block.read(log_.read(piece, room));
-    f(block);
-  }
+  for (const PieceLog::Piece& piece : bin.pieces) WeldedRecords::for_each(log_.read(piece, room), f);
   bin.pieces = std::vector<PieceLog::Piece>();
 }
 

@@ -5,6 +5,7 @@
 //
 // A part of which there are many copies lies in bins as one record, and its facets are read from their shape when a bin is loaded.
 #pragma once
+#include <cstring>
 #include <functional>
 #include <vector>
 
@@ -59,11 +60,17 @@ class FacetBins {
 
   // Where a facet comes from: the body's file, closing (in the file's coordinates), or closing (as the grid sees it).
   enum Origin { kOfFile, kAdded, kPlaced };
-  // make_ready() appends facets to `out`, each with the units that it lies in, on any thread. add() takes what it appended, in pieces of whole
-  // facets. REQUIRES: the facets' coordinates are in single precision if those that are kept are.
-  using Ready = UnfilledVector<uint8_t>;
+  // make_ready() appends facets to `out`, each with the units that it lies in, on any thread; add() takes what it appended. REQUIRES: the facets'
+  // coordinates are in single precision if those that are kept are.
+  struct Ready {
+    UnfilledVector<uint8_t> facets, blocks;  // blocks: of facets that lie in one bin together
+    size_t bytes() const { return facets.size() + blocks.size(); }
+    void clear() { facets.clear(), blocks.clear(); }
+  };
   void make_ready(std::span<const Facet> facets, uint32_t layer, Origin origin, uint32_t patch, Ready& out) const;
-  void add(std::span<const uint8_t> ready);
+  // The same for blocks of a FacetWelder, in single precision if `float32`, of facets of a body's file.
+  void make_ready(std::span<const uint8_t> blocks, bool float32, uint32_t layer, uint32_t patch, Ready& out) const;
+  void add(const Ready& ready);
   void add(BinnedPart part);
   // To be called after the last facet.
   void finish();
@@ -87,9 +94,9 @@ class FacetBins {
     // Of a group, or less than one: facets that stand for all, and how many bins they would lie in if it were split, at two depths.
     uint64_t looked_at = 0, copies = 0, copies_next = 0;
     size_t room = 0;  // of the buffer, in bytes
-    std::vector<uint8_t> buffer;  // the first `buffered` bytes are used
-    size_t buffered = 0;
-    std::vector<PieceLog::Piece> pieces;
+    std::vector<uint8_t> buffer;  // records come from its front, blocks from its back
+    size_t of_records = 0, of_blocks = 0;
+    std::vector<PieceLog::Piece> pieces;  // each has blocks
     std::vector<Bin> children;  // none or kChildren
   };
   const Bin& bin_at(const TreePlace& place) const;
@@ -108,8 +115,29 @@ class FacetBins {
   uint64_t bins_met(const TreePlace& place, const UnitRange& units, int depth) const;
   bool meets(const TreePlace& place, const UnitRange& units) const;
   uint64_t facets_here(const TreePlace& place, const UnitRange& units, const BinnedPart& part) const;
+  // Comes before each of the blocks that are ready.
+  struct ReadyBlock {
+    uint32_t u, v;  // the node that it lies in, of a depth that is known
+    uint32_t looked_at, copies, copies_next;  // as a bin's
+  };
+  template <class F>
+  static void for_each_ready(std::span<const uint8_t> blocks, F&& f) {
+    ReadyBlock facts;
+    while (!blocks.empty()) {
+      std::memcpy(&facts, blocks.data(), sizeof facts);
+      blocks = blocks.subspan(sizeof facts);
+      const auto block = blocks.first(WeldedRecords::bytes_of(blocks));
+      blocks = blocks.subspan(block.size());
+      f(facts, block);
+    }
+  }
+  uint64_t first_bin_of(uint64_t unit) const { return unit >> rays_.shift(first_); }  // by as many bits as a unit has, if there is one bin
   void put(Bin& bin, const UnitRange& units, std::span<const uint8_t> record, const BinnedPart* part);
   void put_here(Bin& bin, const UnitRange& units, std::span<const uint8_t> record, const BinnedPart* part);
+  void put_block(Bin& bin, const ReadyBlock& facts, std::span<const uint8_t> block);
+  void put_below(Bin& bin, std::span<const uint8_t> block);
+  void put_facets(Bin& bin, const WeldedRecords& block);
+  void split_if_large(Bin& bin);
   // The children [u0, u1] x [v0, v1] in which a facet with these units lies. REQUIRES: it lies in the bin.
   struct Children {
     uint32_t u0, u1, v0, v1;
@@ -126,7 +154,8 @@ class FacetBins {
   size_t room_in(uint64_t bytes) const;
   size_t room_of(const TreePlace& place, int depth, size_t room) const;
   uint64_t rooms_of(const TreePlace& place, int depth, size_t room) const;
-  void take_blocks(Bin& bin, const std::function<void(const WeldedRecords&)>& f);
+  void take_blocks(Bin& bin, const std::function<void(std::span<const uint8_t>)>& f);
+  class Dividing;  // bins_ready.cpp
   class Taking;  // bins_taken.cpp
   // A record is nine coordinates, a tag (the layer, with two bits for the origin), and the patch if patches are kept. The record of a part
   // begins with its number, and its tag has the bits that no facet has.

@@ -83,7 +83,7 @@ class FacetBins::Taking {
     if (!have_rays) {
       std::array<RayRange, kTakenAtOnce> ranges;
       rays_.ranges_of(
-          count_, [this](size_t i) TERACELL_IN_LINE -> const Facet& { return moved_[i]; }, out_.layer, ranges.data());
+          count_, [this](size_t i) TERACELL_IN_LINE -> const Facet& { return moved_[i]; }, [this](size_t) { return out_.layer; }, ranges.data());
       for (size_t i = 0; i < count_; ++i) facets_[i].rays = ranges[i];
     }
     out_.facets = std::span(facets_).first(count_);
@@ -134,7 +134,11 @@ class FacetBins::Taking {
 
 void FacetBins::take(const TreePlace& place, const std::function<void(const BinnedFacets&)>& f) {
   Taking taking(*this, place, f);
-  take_blocks(const_cast<Bin&>(bin_at(place)), [&](const WeldedRecords& block) { taking.take(block); });
+  WeldedRecords block(shape_);
+  take_blocks(const_cast<Bin&>(bin_at(place)), [&](std::span<const uint8_t> bytes) {
+    block.read(bytes);
+    taking.take(block);
+  });
 }
 
 }  // namespace teracell::mesher

@@ -15,7 +15,7 @@ namespace teracell::mesher {
 PieceLog::PieceLog(const Budget& budget, uint64_t expected, bool in_memory, bool own_writer)
     : block_(std::bit_floor(std::clamp<uint64_t>(budget.bytes >> 10, uint64_t{1} << 16, uint64_t{1} << 18))),
       file_(budget.folder, expected, in_memory),
-      writer_(own_writer) {
+      writer_(own_writer && !file_.in_memory()) {
   begin_block();
 }
 
@@ -27,8 +27,15 @@ void PieceLog::begin_block() {
 
 PieceLog::Piece PieceLog::add(std::span<const uint8_t> bytes) {
   Piece out{end_, bytes.size(), 0};
+  constexpr size_t kWorthACall = 8192;
+  if (in_memory() && bytes.size() >= kWorthACall) {  // to copy it first, for fewer calls, would take longer
+    write_waiting();
+    file_.write(end_, bytes);
+    handed_on_ = end_ += bytes.size();
+    return out;
+  }
   end_ += bytes.size();
-  out.checksum = checksum(bytes);
+  if (!in_memory()) out.checksum = checksum(bytes);
   while (!bytes.empty()) {
     const auto now = bytes.first(std::min(bytes.size(), block_ - waiting_->size()));
     waiting_->insert(waiting_->end(), now.begin(), now.end());
@@ -44,7 +51,14 @@ void PieceLog::hand_on() {
   begin_block();
 }
 
-// What waits stays, so that blocks begin where pages do.
+void PieceLog::write_waiting() {
+  if (waiting_->empty()) return;
+  file_.write(handed_on_, *waiting_);
+  handed_on_ += waiting_->size();
+  waiting_->clear();
+}
+
+// On a disk what waits stays, so that blocks begin where pages do.
 void PieceLog::finish() {
   writer_.finish();
   if (!waiting_->empty()) file_.write(handed_on_, *waiting_);
@@ -53,7 +67,7 @@ void PieceLog::finish() {
 std::span<const uint8_t> PieceLog::read(const Piece& piece, std::vector<uint8_t>& room) const {
   room.resize(piece.bytes);
   file_.read(piece.offset, room);
-  if (checksum(room) != piece.checksum)
+  if (!in_memory() && checksum(room) != piece.checksum)
     throw IoError(fmt::format("a temporary file is damaged: the {} bytes at {} are not those that were written", piece.bytes, piece.offset));
   return room;
 }

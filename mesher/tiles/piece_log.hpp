@@ -13,7 +13,8 @@ namespace teracell::mesher {
 class PieceLog {
  public:
   struct Piece {
-    uint64_t offset, bytes, checksum;
+    uint64_t offset, bytes;
+    uint64_t checksum;  // of what lies on a disk
   };
   // Throws unless the budget's folder has `expected` bytes of free space; with `in_memory` none is used, if the system has files in memory. With
   // `own_writer` another thread writes. Up to 18 blocks of 64 to 256 KiB, by the budget, wait for it.
@@ -24,7 +25,7 @@ class PieceLog {
   Piece add(std::span<const uint8_t> bytes);
   // To be called before pieces are read, and again when more were added.
   void finish();
-  // The bytes of a piece, in `room`; for any thread. Throws IoError if they are not those that were added.
+  // The bytes of a piece, in `room`; for any thread. Throws IoError if those on a disk are not those that were added.
   std::span<const uint8_t> read(const Piece& piece, std::vector<uint8_t>& room) const;
 
   uint64_t bytes() const { return end_; }  // ever added
@@ -32,6 +33,7 @@ class PieceLog {
 
  private:
   void hand_on();
+  void write_waiting();
   void begin_block();
   const size_t block_;  // of the file: whole pages, and few calls
   SpillFile file_;

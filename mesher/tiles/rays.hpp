@@ -143,11 +143,11 @@ struct GridRays {
     const auto most = [&](int d) { return std::max(std::max(a[d], b[d]), c[d]); };
     return widened_for({u.first(least(frame.u)), u.last(most(frame.u)), v.first(least(frame.v)), v.last(most(frame.v))}, layer);
   }
-  // The same for facet_of(0) to facet_of(count - 1).
-  template <class FacetOf>
-  void ranges_of(size_t count, const FacetOf& facet_of, uint32_t layer, RayRange* ranges) const {
+  // The same for facet_of(0) to facet_of(count - 1), which have layers layer_of(0) to layer_of(count - 1).
+  template <class FacetOf, class LayerOf>
+  void ranges_of(size_t count, const FacetOf& facet_of, const LayerOf& layer_of, RayRange* ranges) const {
     if (!uniform.is_uniform) {
-      for (size_t i = 0; i < count; ++i) ranges[i] = range_of(facet_of(i), layer);
+      for (size_t i = 0; i < count; ++i) ranges[i] = range_of(facet_of(i), layer_of(i));
       return;
     }
     const auto corners = [&facet_of, du = frame.u, dv = frame.v](size_t i, UniformRays::Bounds& out) TERACELL_IN_LINE {
@@ -160,7 +160,7 @@ struct GridRays {
     };
     uniform.find(count, corners, ranges);
     if (widened.empty()) return;
-    for (size_t i = 0; i < count; ++i) ranges[i] = widened_for(ranges[i], layer);
+    for (size_t i = 0; i < count; ++i) ranges[i] = widened_for(ranges[i], layer_of(i));
   }
   // Those of points, and that of a facet from those of its vertices.
   void ranges_of(std::span<const Vec3> points, RayRange* ranges) const {

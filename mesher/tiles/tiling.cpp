@@ -100,14 +100,28 @@ Tiling::Tiling(std::shared_ptr<const GridFacets> facets, const Metadata& meta, s
     : Tiling(meta, std::move(widened), range) {
   NodeBuilder root(rays_);
   root.expect(facets->size());
-  facets->for_each(0, facets->size(), [&](const SceneFacet& f) { root.add(f.facet, f.layer & kIgnored ? RayRange{} : rays_of(f)); });
+  constexpr size_t kAtOnce = 64;
+  std::array<const SceneFacet*, kAtOnce> some;
+  size_t count = 0;
+  const auto add_some = [&] {
+    std::array<RayRange, kAtOnce> ranges;
+    rays_.ranges_of(
+        count, [&some](size_t i) TERACELL_IN_LINE -> const Facet& { return some[i]->facet; }, [&some](size_t i) { return some[i]->layer; },
+        ranges.data());
+    for (size_t i = 0; i < count; ++i) root.add(some[i]->facet, some[i]->layer & kIgnored ? RayRange{} : within_range(ranges[i]));
+    count = 0;
+  };
+  facets->for_each(0, facets->size(), [&](const SceneFacet& f) {
+    some[count++] = &f;
+    if (count == kAtOnce) add_some();
+  });
+  add_some();
   path_.push_back(root.finish(rays_.root(), std::move(facets)));
 }
 
 // Empty if they are outside the range. A key never falls when a coordinate grows, so all groups of a box have keys between those of
 // its corners.
-RayRange Tiling::rays_of(const SceneFacet& f) const {
-  const RayRange r = rays_.range_of(f.facet, f.layer);
+RayRange Tiling::within_range(const RayRange& r) const {
   if (has_all_ || r.empty()) return r;
   const ChunkRange c = rays_.chunks_of(r);
   const auto key = [](uint32_t cu, uint32_t cv) { return tree_key(cu / kFanOut, cv / kFanOut); };

@@ -82,7 +82,7 @@ class Tiling {
   Tiling(const Metadata& meta, std::vector<uint8_t> widened, const TreeRange& range);
   bool wanted(const TreePlace& place) const { return range_.has_any(place.depth, place.cu, place.cv); }
   uint64_t groups_below(const TreePlace& place) const;
-  RayRange rays_of(const SceneFacet& facet) const;
+  RayRange within_range(const RayRange& rays) const;
   // Whether a node's facets are loaded at once from its bin, or, if it is a group, from its bins one after another.
   bool is_loaded_whole(const TreePlace& place) const { return place.depth == 0 || !bins_->is_split(place); }
   Node load(const TreePlace& place) const;

@@ -2,16 +2,18 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
+#include "mesher/surface/facet.hpp"
 #include "store/base/populate.hpp"
 
 namespace teracell::mesher {
 
 // The bytes of a record: those of its three vertices, and others, which mostly are those of the record before.
 struct RecordShape {
-  size_t vertex, rest;  // 12 or 24; 4 or 8
+  size_t vertex, rest;  // 12 or 24; 0, 4 or 8
   size_t bytes() const { return 3 * vertex + rest; }
 };
 
@@ -40,12 +42,51 @@ class RecordWelder {
   uint32_t unlooked_ = 0;  // blocks to come
 };
 
+// Facets that come together, as a block of records that have no other bytes than their vertices. Not thread-safe.
+class FacetWelder {
+ public:
+  static constexpr size_t kMost = 256;
+  // REQUIRES: at most kMost.
+  void weld(std::span<const Facet> facets);
+  // Of those that came last: their vertices, each once or a few times, and which of these are a facet's.
+  std::span<const Vec3> vertices() const { return std::span(vertices_).first(vertex_count_); }
+  const std::array<uint16_t, 3>& vertices_of(size_t facet) const { return numbers_[facet]; }
+  // Appends them as a block, in single precision if `float32`.
+  void append_to(UnfilledVector<uint8_t>& blocks, bool float32) const;
+
+ private:
+  static constexpr int kLatestBits = 10;
+  size_t count_ = 0, vertex_count_ = 0, code_bytes_ = 0;
+  std::array<Vec3, 3 * kMost> vertices_{};
+  std::array<std::array<uint16_t, 3>, kMost> numbers_;
+  std::array<uint16_t, size_t{1} << kLatestBits> latest_{};  // as RecordWelder's
+  std::array<uint8_t, 3 * kMost * 5> codes_;
+};
+
 // The records of a block.
 class WeldedRecords {
  public:
   explicit WeldedRecords(const RecordShape& shape) : shape_(shape) {}
-  // REQUIRES: weld() wrote the block. It must stay as long as its vertices are used.
+  // Calls f(block) with each of blocks that follow one another.
+  template <class F>
+  static void for_each(std::span<const uint8_t> blocks, F&& f) {
+    for (size_t bytes; !blocks.empty(); blocks = blocks.subspan(bytes)) bytes = bytes_of(blocks), f(blocks.first(bytes));
+  }
+  static size_t bytes_of(std::span<const uint8_t> blocks);  // the first of them
+  static size_t records_in(std::span<const uint8_t> block);
+  // REQUIRES: the block was written by a welder. It must stay as long as its vertices are used.
   void read(std::span<const uint8_t> block);
+
+  // The facets of the records, in place of what `out` had.
+  void facets(std::vector<Facet>& out) const;
+
+  // The other bytes of the records, if all have the same.
+  std::optional<std::span<const uint8_t>> rest_of_all() const {
+    return runs_.size() == 1 ? std::optional(std::span(runs_[0].rest).first(shape_.rest)) : std::nullopt;
+  }
+  // Appends a block of all or some of the records to `out`; there each of them has these other bytes.
+  void append_all(std::span<const uint8_t> rest, UnfilledVector<uint8_t>& out) const;
+  void append_some(std::span<const uint32_t> which, std::span<const uint8_t> rest, UnfilledVector<uint8_t>& out);
 
   size_t records() const { return vertices_.size(); }
   size_t vertices() const { return vertex_count_; }
@@ -66,8 +107,11 @@ class WeldedRecords {
   const RecordShape shape_;
   size_t vertex_count_ = 0;
   const uint8_t* first_vertex_ = nullptr;
+  std::span<const uint8_t> codes_;
   std::vector<std::array<uint32_t, 3>> vertices_;  // of each record, by number
   std::vector<Run> runs_;
+  UnfilledVector<uint8_t> appended_codes_;
+  std::vector<uint32_t> appended_;  // of vertices: number + 1 in the block that is appended, or 0
 };
 
 }  // namespace teracell::mesher

@@ -15,7 +15,7 @@ namespace teracell::inline store {
 struct Budget {
   uint64_t bytes = ~uint64_t{0};
   std::filesystem::path folder = ".";  // for temporary files
-  bool together = false;               // the facets are needed all at once, even where bins would be faster (kMostTogether in bodies.cpp)
+  bool together = false;               // the facets are needed all at once, even where bins would be faster (kMostTogether in read_bodies.cpp)
 
   // So much the process may take before it gives back what it freed: the pages would soon be needed again.
   uint64_t unasked() const { return std::min(bytes / 4, uint64_t{1} << 26); }

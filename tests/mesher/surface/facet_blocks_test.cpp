@@ -24,13 +24,18 @@ InBlocks read_in_blocks(const std::string& bytes, int threads) {
   const FacetBlocks blocks{.threads = threads,
                            .idle = &helper,
                            .wanted =
-                               [&] {
+                               [&](bool float32) {
                                  CHECK(entered);
+                                 CHECK(float32);
                                  return asked = true;
                                },
-                           .take = [&](std::span<const Facet> facets, int worker) -> std::function<void()> {
+                           .take = [&](const std::function<std::span<const Facet>()>& next, int worker) -> std::function<void()> {
                              if (worker < 0 || worker >= threads || ++at_work > threads) throw std::logic_error("too many at work");
-                             std::vector<Facet> here(facets.begin(), facets.end());
+                             std::vector<Facet> here;
+                             for (auto some = next(); !some.empty(); some = next()) {
+                               if (here.size() % FacetBlocks::kSome != 0) throw std::logic_error("a part within was short");
+                               here.insert(here.end(), some.begin(), some.end());
+                             }
                              --at_work;
                              return [&, here] {
                                if (!out.facets.empty() && out.facets.size() % FacetBlocks::kFacets != 0)

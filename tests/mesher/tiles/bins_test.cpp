@@ -198,6 +198,60 @@ std::vector<Facet> large_facets(std::mt19937_64& random, const Vec3& lo, const V
   return out;
 }
 
+// Each facet by its coordinates, which are its own.
+using Numbers = std::map<std::array<double, 9>, uint32_t>;
+std::array<double, 9> key_of(const Facet& f) { return std::bit_cast<std::array<double, 9>>(f); }
+
+TEST_CASE("Facets that come as blocks lie in the bins in which they would lie one by one, also where a bin is split or they are moved") {
+  const TempFolder folder;
+  std::mt19937_64 random(7);
+  const bool float32 = GENERATE(true, false), moves = GENERATE(false, true);
+  for (const Metadata& meta : tile_grids()) {
+    constexpr uint32_t kLayer = 9;  // of body 4: odd, so it is moved
+    std::vector<Facet> all = facets_over(random, meta, 500);
+    for (int i = 0; i < 3; ++i) {  // facets that come together mostly lie near each other
+      Vec3 lo, hi;
+      for (int d = 0; d < 3; ++d) {
+        const double width = (meta.grid.axis[d].max() - meta.grid.axis[d].min()) / 9;
+        lo[d] = random_in(random, meta.grid.axis[d].min(), meta.grid.axis[d].max() - width), hi[d] = lo[d] + width;
+      }
+      std::ranges::copy(dense_facets(random, lo, hi, 600), std::back_inserter(all));
+    }
+    if (float32)
+      for (Facet& f : all)
+        for (Vec3& vertex : f.vertex)
+          for (double& x : vertex) x = static_cast<float>(x);
+    Numbers numbers;
+    std::vector<Facet> facets;
+    std::vector<Added> added;
+    for (const Facet& f : all)
+      if (numbers.try_emplace(key_of(f), static_cast<uint32_t>(facets.size())).second) facets.push_back(f), added.push_back({f, kLayer});
+    const FacetBins::Move move = moves ? moved_if_odd : FacetBins::Move();
+    for (const auto& [budget, expected] : {std::pair<uint64_t, uint64_t>(1, 0), {1, facets.size()}, {uint64_t{1} << 40, facets.size()}})
+      for (const bool single : {float32, false}) {  // bins may have double precision for another body's sake
+        FacetBins bins(meta, expected, expected, single, Budget{budget, folder.path()}, false, move, {});
+        UnfilledVector<uint8_t> blocks;
+        const auto welder = std::make_unique<FacetWelder>();
+        for (size_t first = 0, count; first < facets.size(); first += count) {
+          count = std::min<size_t>(1 + random() % FacetWelder::kMost, facets.size() - first);
+          welder->weld(std::span<const Facet>(facets).subspan(first, count));
+          welder->append_to(blocks, float32);
+        }
+        FacetBins::Ready ready;
+        bins.make_ready(blocks, float32, kLayer, 0, ready);
+        bins.add(ready);
+        bins.finish();
+        std::vector<Taken> taken = take_all(meta, bins);
+        for (Taken& t : taken) {
+          REQUIRE(t.facet.layer == kLayer);
+          t.facet.layer = numbers.at(key_of(t.facet.facet));
+        }
+        CAPTURE(budget, expected, single);
+        expect_taken(meta, added, bins, taken, moves ? move : unmoved);
+      }
+  }
+}
+
 TEST_CASE("A part lies in bins as its facets do, whether it is small or spread over the grid, beside facets of their own") {
   const TempFolder folder;
   std::mt19937_64 random(5);

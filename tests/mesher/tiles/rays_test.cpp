@@ -47,7 +47,7 @@ TEST_CASE("The rays of many facets are those of each, on every vector unit") {
           for (Vec3& v : f.vertex) points.push_back(v = point(random, meta));
         std::vector<RayRange> found(facets.size()), of_points(points.size());
         rays.ranges_of(
-            facets.size(), [&](size_t i) TERACELL_IN_LINE -> const Facet& { return facets[i]; }, 0, found.data());
+            facets.size(), [&](size_t i) TERACELL_IN_LINE -> const Facet& { return facets[i]; }, [](size_t) { return 0U; }, found.data());
         rays.ranges_of(points, of_points.data());
         for (size_t i = 0; i < facets.size(); ++i) {
           REQUIRE(equal(found[i], rays.range_of(facets[i], 0)));

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cstring>
+#include <memory>
 #include <random>
 
 #include "tests/support/catch.hpp"
@@ -103,6 +105,60 @@ TEST_CASE("Of a sheet of facets nearly every vertex is kept once, in less than a
     CHECK(10 * read.vertices() < 11 * (kWide + 1) * (kHigh + 1));
     CHECK(3 * block.size() < records.size());
   }
+}
+
+TEST_CASE("Welded facets come back bit for bit, all or some of them, with the bytes that each is to have, one block after another") {
+  std::mt19937_64 random(3);
+  const bool float32 = GENERATE(true, false);
+  const size_t vertex = 3 * (float32 ? sizeof(float) : sizeof(double)), rest_bytes = GENERATE(size_t{0}, size_t{4}, size_t{8});
+  const auto welder = std::make_unique<FacetWelder>();
+  std::vector<std::vector<Facet>> all;
+  UnfilledVector<uint8_t> blocks;
+  const Bytes rest = random_bytes(random, rest_bytes);
+  for (const size_t pool : {1, 2, 40, 250, 100'000})
+    for (const size_t count : {size_t{1}, size_t{2}, size_t{77}, FacetWelder::kMost}) {
+      const auto coordinate = [&] { return static_cast<double>(static_cast<float>(static_cast<int64_t>(random())) * 0x1p-40F); };
+      std::vector<Vec3> vertices(std::min(pool, 3 * count));
+      for (Vec3& v : vertices) v = {coordinate(), coordinate() * (float32 ? 1 : 1.1), -0.0};
+      for (size_t i = 1; i < vertices.size(); i += 2) vertices[i] = vertices[i - 1], vertices[i][2] = i % 4 == 1 ? 0.0 : 0x1p-149;  // nearly equal
+      std::vector<Facet> facets(count);
+      for (size_t f = 0; f < count; ++f)
+        for (size_t k = 0; k < 3; ++k) facets[f].vertex[k] = vertices[(pool > 250 ? 3 * f + k : random()) % vertices.size()];
+      welder->weld(facets);
+      REQUIRE(welder->vertices().size() <= 3 * count);
+      for (size_t f = 0; f < count; ++f)
+        for (size_t k = 0; k < 3; ++k) {
+          const Vec3& found = welder->vertices()[welder->vertices_of(f)[k]];
+          REQUIRE(std::memcmp(&found, &facets[f].vertex[k], sizeof found) == 0);
+        }
+      UnfilledVector<uint8_t> alone;
+      welder->append_to(alone, float32);
+      WeldedRecords block({vertex, 0});
+      block.read(alone);
+      REQUIRE(block.rest_of_all());
+      block.append_all(rest, blocks), all.push_back(facets);
+      std::vector<uint32_t> which;
+      std::vector<Facet> some;
+      for (uint32_t f = 0; f < count; ++f)
+        if (random() % 3 == 0) which.push_back(f), some.push_back(facets[f]);
+      if (which.empty()) continue;
+      block.append_some(which, rest, blocks), all.push_back(some);
+    }
+  size_t next = 0;
+  WeldedRecords block({vertex, rest_bytes});
+  WeldedRecords::for_each(blocks, [&](std::span<const uint8_t> bytes) {
+    REQUIRE(next < all.size());
+    const std::vector<Facet>& expected = all[next++];
+    block.read(bytes);
+    REQUIRE(WeldedRecords::records_in(bytes) == expected.size());
+    REQUIRE(block.rest_of_all());
+    REQUIRE(std::ranges::equal(*block.rest_of_all(), rest));
+    std::vector<Facet> found;
+    block.facets(found);
+    REQUIRE(found.size() == expected.size());
+    REQUIRE(std::memcmp(found.data(), expected.data(), found.size() * sizeof(Facet)) == 0);
+  });
+  REQUIRE(next == all.size());
 }
 
 }  // namespace
