@@ -18,8 +18,9 @@ namespace {
 // tables that count what its surface is made of.
 constexpr uint64_t kBytesPerFacet = 160;
 // More facets than these are put into bins in any case, even if the bins stay in memory: a bin is read from end to end, and has a tenth
-// of the bytes. With 6.4 million facets and 8 GB, bins took 0.66 of the time and 196 in place of 801 MB for a binary STL file, 0.74 for a compressed
-// one and 0.95 for an OBJ file, though these are parsed twice then. With 1.6 million facets bins took 1.6 times as long.
+// of the bytes. With 6.4 million facets and 8 GB, bins took 0.66 of the time and 196 in place of 801 MB for a binary STL file and 0.74 of the time
+// for a compressed one, when both were still parsed twice then, and 0.95 for an OBJ file, which still is. With 1.6 million facets bins took 1.6 times
+// as long.
 constexpr uint64_t kMostTogether = uint64_t{4} << 20;
 
 // Before the bodies' box is known, only facets without any extent across an axis are flat.
